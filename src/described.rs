@@ -65,24 +65,24 @@ pub fn files() -> Vec<File> {
             command("records.csv", "sagnac allan", abouts(&log::records::columns())),
             command("limits.csv", "sagnac allan", abouts(&requirement::columns())),
             command("navigation.csv", "sagnac allan", abouts(&log::navigators::columns())),
-            command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
-            command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
-            command("temperature.csv", "sagnac allan", abouts(&temperature::tables::coefficient_columns())),
-            command("compensation.csv", "sagnac allan", abouts(&temperature::tables::compensation_columns())),
-            command("dynamic.csv", "sagnac allan", abouts(&dynamic::tables::point_columns())),
-            command("stationarity.csv", "sagnac allan", abouts(&dynamic::tables::octave_columns())),
-            command("psd.csv", "sagnac allan", abouts(&spectrum::tables::density_columns())),
-            command("lines.csv", "sagnac allan", abouts(&spectrum::tables::line_columns())),
-            command("white_noise.csv", "sagnac allan", abouts(&spectrum::tables::white_columns())),
-            command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
-            command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
-            command("units.csv", "sagnac compare", abouts(&batch::tables::unit_columns())),
-            command("batch.csv", "sagnac compare", abouts(&batch::tables::batch_columns())),
+            command("curve.csv", "sagnac allan", abouts(&log::report::curve_columns())),
+            command("coefficients.csv", "sagnac allan", abouts(&log::report::coefficient_columns())),
+            command("temperature.csv", "sagnac allan", abouts(&temperature::report::coefficient_columns())),
+            command("compensation.csv", "sagnac allan", abouts(&temperature::report::compensation_columns())),
+            command("dynamic.csv", "sagnac allan", abouts(&dynamic::report::point_columns())),
+            command("stationarity.csv", "sagnac allan", abouts(&dynamic::report::octave_columns())),
+            command("psd.csv", "sagnac allan", abouts(&spectrum::report::density_columns())),
+            command("lines.csv", "sagnac allan", abouts(&spectrum::report::line_columns())),
+            command("white_noise.csv", "sagnac allan", abouts(&spectrum::report::white_columns())),
+            command("compare.csv", "sagnac compare", abouts(&compare::report::ratio_columns())),
+            command("coefficients.csv", "sagnac compare", abouts(&compare::report::coefficient_columns())),
+            command("units.csv", "sagnac compare", abouts(&batch::report::unit_columns())),
+            command("batch.csv", "sagnac compare", abouts(&batch::report::batch_columns())),
             command("model.csv", "sagnac model", abouts(&model::tables::columns())),
-            command("fillers.csv", "sagnac filler", abouts(&firmware::tables::filler_columns())),
-            command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
+            command("fillers.csv", "sagnac filler", abouts(&firmware::report::filler_columns())),
+            command("weights.csv", "sagnac filler", abouts(&firmware::report::columns())),
             command("trade.csv", "sagnac filler", abouts(&firmware::search::columns())),
-            command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
+            command("test_vectors.csv", "sagnac filler", firmware::export::COLUMNS.to_vec()),
         ])
         .collect()
 }
@@ -144,7 +144,7 @@ mod tests {
     use serde_json::{Map, Value, json};
 
     use super::*;
-    use crate::analysis::model::document::ModelDocument;
+    use crate::analysis::model::tables::ModelDocument;
     use sagnac_base::table::Cells;
 
     #[test]

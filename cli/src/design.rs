@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
-use sagnac::analysis::design::report;
-use sagnac::analysis::design::searched::band;
-use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as find};
+use sagnac::analysis::design::filler_search::band;
+use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as find, report};
 use sagnac::analysis::page;
 use sagnac::quantity::number::short;
 use sagnac::quantity::units::Dimension;

@@ -7,7 +7,7 @@ use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::Temperature;
-use sagnac::analysis::temperature::model::Effects;
+use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::range::Fitting;
 use sagnac::quantity::units::{Dimension, Quantity, parse as parse_quantity};

@@ -8,15 +8,14 @@ use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit as Curves;
 use sagnac::analysis::batch::Batch;
-use sagnac::analysis::compare::limit::RatioLimit;
-use sagnac::analysis::design::searched::band as band_of;
+use sagnac::analysis::compare::logs::RatioLimit;
+use sagnac::analysis::design::filler_search::band as band_of;
 use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
 };
 use sagnac::analysis::log::{self, Asked, Treatment, navigators};
-use sagnac::analysis::model::document::document;
-use sagnac::analysis::model::noise::{of_file, of_text};
-use sagnac::analysis::model::target::{Source, Target};
+use sagnac::analysis::model::tables::document;
+use sagnac::analysis::model::target::{Source, Target, of_file, of_text};
 use sagnac::analysis::model::writers::named;
 use sagnac::analysis::model::{self as modelled, Aim, Quantization};
 use sagnac::analysis::requirement::Limited;
@@ -194,7 +193,7 @@ pub fn compare<'py>(
         let treatment = readings.0.treatment();
         let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
         let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<Vec<_>, _>>()?;
-        compared::limit::check(&limits, Some(fitting.terms.all()))?;
+        compared::logs::check(&limits, Some(fitting.terms.all()))?;
         let logs = [(Path::new(&names.0), a), (Path::new(&names.1), b)];
         let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
             .map_err(|error| Failure::Record(in_python(&error.to_string())))?;

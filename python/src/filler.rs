@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::firmware::alone::{Alone, KINDS};
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
 use sagnac::analysis::firmware::search::Asked;
+use sagnac::analysis::firmware::standalone::{Alone, KINDS};
 use sagnac::analysis::page::of_filler;
 use sagnac::quantity::units::Dimension;
 use sagnac::source::diagnose::StudyError;

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::Temperature;
-use sagnac::analysis::temperature::model::Effects;
+use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::channel::{Channel, Log as Read};

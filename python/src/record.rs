@@ -12,7 +12,7 @@ use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
-use sagnac::analysis::log::tables::least_or_bound;
+use sagnac::analysis::log::report::least_or_bound;
 use sagnac::analysis::log::{Suppose, Treatment, events, model, slope, temperatures};
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
 use sagnac::events::{Event, Events};

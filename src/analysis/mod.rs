@@ -10,7 +10,6 @@ pub mod decision;
 pub mod design;
 pub mod dynamic;
 pub mod firmware;
-mod hump;
 mod jackknife;
 pub mod log;
 pub mod model;

@@ -3,7 +3,7 @@
 //! At the octaves of τ an Allan curve hardly tells what a filter, its alias or a hump does to the highest frequencies: it takes that
 //! for quantization noise or for a part of N. The spectrum shows it.
 
-use crate::analysis::hump;
+use crate::analysis::data_sheet;
 use sagnac_records::events::{Event, Events, What};
 use sagnac_records::fit::{
     Coefficient, Described, Fit, FitError, Fitting, Terms, Verdict, describe, describe_without_shortest,
@@ -118,7 +118,7 @@ impl Noise<'_> {
         let fit = &self.described.fit;
         let is_found = fit.process.parts.iter().any(|part| part.term == term);
         match term {
-            Term::Quantization => shows(What::Filter) || is_found && hump::is_hump(self.events, fit),
+            Term::Quantization => shows(What::Filter) || is_found && data_sheet::is_hump(self.events, fit),
             Term::BiasInstability => is_telegraph || shows(What::Correlated),
             Term::RateRandomWalk => is_telegraph || self.other(term).is_some(),
             _ => self.other(term).is_some(),

@@ -127,20 +127,20 @@ impl Whole {
         if let Some((found, other)) = &thermal {
             let sides = if noise.treatment.is_compensated { [other, noise] } else { [noise, other] };
             page.sections.push(of_temperature(found, sides));
-            page.tables.push(("temperature.csv", temperature::tables::coefficients(found)));
-            page.tables.push(("compensation.csv", temperature::tables::compensation(found)));
+            page.tables.push(("temperature.csv", temperature::report::coefficients(found)));
+            page.tables.push(("compensation.csv", temperature::report::compensation(found)));
         }
         if let Some(dynamic) = &dynamic {
             page.sections.push(of_dynamic(dynamic));
-            page.tables.push(("dynamic.csv", dynamic::tables::windows(dynamic)));
-            page.tables.push(("stationarity.csv", dynamic::tables::octaves(dynamic)));
+            page.tables.push(("dynamic.csv", dynamic::report::windows(dynamic)));
+            page.tables.push(("stationarity.csv", dynamic::report::octaves(dynamic)));
         }
         page.tables.extend(navigation.as_ref().map(|found| ("navigation.csv", navigators::table(found))));
         page.tables.extend(decision.file());
         page.sections.extend(aside.map(|found| of_navigators(&found)));
         let has_spectra = !analysis.spectra.is_empty();
         let tables =
-            has_spectra.then(|| ("psd.csv", spectrum::tables::table(&analysis))).into_iter().collect();
+            has_spectra.then(|| ("psd.csv", spectrum::report::table(&analysis))).into_iter().collect();
         let mut files = noise_file::files(noise);
         files.extend(studies(noise, navigation.unwrap_or_default()));
         Ok(Whole { log, analysis, without, page, tables, files })

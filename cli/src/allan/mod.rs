@@ -4,7 +4,7 @@ pub mod options;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::analysis::log::notes;
+use sagnac::analysis::log::report;
 use sagnac::analysis::whole::Whole;
 use sagnac::record::log::read::Request;
 use sagnac::report::page::document::json;
@@ -70,7 +70,7 @@ fn of_log(
     let (asked, progress) = (options.asked(), options.output.progress());
     let whole = Whole::of(log, temperature, path, &treatment, &asked, earlier, &progress)?;
     let analysis = &whole.analysis.noise;
-    let mut outcome = Outcome::new(notes::heading(analysis), whole.page);
+    let mut outcome = Outcome::new(report::heading(analysis), whole.page);
     outcome.tables = whole.tables;
     outcome.files = whole.files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
     let results = Folder::open(folder)?.reading([path]);

@@ -5,8 +5,7 @@ pub mod batch;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::compare::limit::{RatioLimit, check};
-use sagnac::analysis::compare::logs::Analysis;
+use sagnac::analysis::compare::logs::{Analysis, RatioLimit, check};
 use sagnac::analysis::page::of_comparison;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::key::renamed::note;

@@ -2,10 +2,10 @@
 
 use clap::Args;
 use miette::Diagnostic;
-use sagnac::analysis::firmware::alone::{Alone, MINIMUM_VARIANCE};
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
 use sagnac::analysis::firmware::search::Asked;
+use sagnac::analysis::firmware::standalone::{Alone, MINIMUM_VARIANCE};
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::firmware::alone::KINDS;
 use sagnac::analysis::firmware::design::Firmware;
+use sagnac::analysis::firmware::standalone::KINDS;
 use sagnac::study::Study;
 
 use crate::failure::Failure;

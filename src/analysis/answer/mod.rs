@@ -3,13 +3,9 @@
 //! The rows of the table are the options between which a designer chooses, its columns the conditions. Which of them a column
 //! of the study is, its key says.
 
-mod detection;
-mod map;
-mod minimum;
-mod optimum;
-mod peaks;
-mod threshold;
-mod values;
+mod features;
+mod limits;
+mod options;
 
 use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
@@ -123,7 +119,7 @@ pub(crate) fn of_study(
     let (mut outline, limit) = match asked {
         Some(((chart, curves), (at, drawn))) if !curves.is_supplied(chart) || chart.limit.is_some() => {
             let outline = match &drawn.picture {
-                Picture::Map(found) => map::of_map(found),
+                Picture::Map(found) => limits::of_map(found),
                 Picture::Curves(_) => {
                     let (outline, found) = Question::answered(study, chart, curves)?;
                     marks.push((at, found));
@@ -377,14 +373,16 @@ impl<'t> Question<'t> {
         }
         let is_error = less_is_better(self.table, self.y, &self.rows);
         Some(match (self.x, self.limit) {
-            (Some(x), _) if self.y.role == Role::Fraction => detection::outline(self, x),
-            (Some(x), Some(limit)) => threshold::outline(self, x, limit),
-            (Some(x), None) if is_error && x.usual == Some(Usual::Abscissa) => minimum::outline(self, x),
-            (Some(x), None) if is_error && !is_given(x) => optimum::outline(self, x),
-            (Some(x), None) if study.kind().is_exact => {
-                peaks::outline(self, x).unwrap_or_else(|| values::outline(self))
+            (Some(x), _) if self.y.role == Role::Fraction => features::outline_of_detection(self, x),
+            (Some(x), Some(limit)) => limits::outline(self, x, limit),
+            (Some(x), None) if is_error && x.usual == Some(Usual::Abscissa) => {
+                features::outline_of_minimum(self, x)
             }
-            _ => values::outline(self),
+            (Some(x), None) if is_error && !is_given(x) => options::outline_of_optimum(self, x),
+            (Some(x), None) if study.kind().is_exact => {
+                features::outline_of_peaks(self, x).unwrap_or_else(|| options::outline_of_values(self))
+            }
+            _ => options::outline_of_values(self),
         })
     }
 

@@ -15,21 +15,18 @@
 //! units show a coefficient, no spread tells whether one is an outlier. A unit is then one if its interval lies
 //! above the bounds of all others.
 
-pub mod answer;
-pub mod figures;
 pub mod random_effects;
-pub mod tables;
-pub(crate) mod units;
+pub mod report;
 
+use std::collections::HashSet;
 use std::path::Path;
 
-use crate::analysis::data_sheet::{Row, each_once};
-use crate::analysis::log::tables::least_or_bound;
-use crate::analysis::log::{self, Column, Curve, Treatment};
-use sagnac_records::allan::Unit as Curves;
-
 use crate::analysis::batch::random_effects::{Estimate, Pooled};
-use crate::analysis::batch::units::{UnitColumn, labels, twice, units};
+use crate::analysis::data_sheet::{Row, each_once};
+use crate::analysis::log;
+use crate::analysis::log::report::least_or_bound;
+use crate::analysis::log::{Column, Curve, Treatment};
+use sagnac_records::allan::Unit as Curves;
 
 /// Probability of an outlier in a batch without one.
 pub const FALSE_ALARM: f64 = 0.05;
@@ -295,4 +292,42 @@ fn rows(log: &log::Analysis, column: &Column) -> Vec<Row> {
     let least = |curve: &Curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples);
     let stability = column.curves.first().and_then(least);
     column.coefficients().iter().cloned().chain(stability).collect()
+}
+
+/// A unit of a batch: a column of a log.
+type UnitColumn<'a> = (&'a log::Analysis, &'a Column);
+
+/// The units of some logs, in their order.
+fn units(logs: &[log::Analysis]) -> impl Iterator<Item = UnitColumn<'_>> {
+    logs.iter().flat_map(|log| log.columns.iter().map(move |column| (log, column)))
+}
+
+/// Labels of columns of logs, as short as possible: columns of a single log, else names of files, then both, then paths, then paths
+/// with columns. `None` where even those are equal.
+pub(crate) fn labels(units: &[(&Path, &str)], logs: usize) -> Option<Vec<String>> {
+    let names: [fn(&Path, &str) -> String; 5] = [
+        |_, column| column.to_owned(),
+        |path, _| stem(path),
+        |path, column| format!("{} {column}", stem(path)),
+        |path, _| path.display().to_string(),
+        |path, column| format!("{} {column}", path.display()),
+    ];
+    let all = |name: &fn(&Path, &str) -> String| -> Vec<String> {
+        units.iter().map(|(path, column)| name(path, column)).collect()
+    };
+    let mut labels = names[usize::from(logs > 1)..].iter().map(all);
+    labels.find(|labels| labels.iter().collect::<HashSet<_>>().len() == labels.len())
+}
+
+/// Two units that are one record.
+fn twice(units: &[UnitColumn<'_>]) -> Option<[usize; 2]> {
+    let digest = |unit: usize| units[unit].1.digest;
+    (1..units.len()).find_map(|again| {
+        let first = (0..again).find(|&first| digest(first) == digest(again))?;
+        Some([first, again])
+    })
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,13 +1,12 @@
-//! The answer of a comparison: in which coefficient two logs differ, or whether their ratio meets a limit.
+//! The answer of a comparison, its notes, and the words of both.
 
-use crate::analysis::compare::limit::{Judged, RatioLimit};
-use crate::analysis::compare::logs::Analysis;
-use crate::analysis::compare::rows::{Row, Verdict};
-use crate::analysis::compare::words::{duration, length, times};
-use crate::analysis::compare::{Length, SIGNIFICANT};
+use crate::analysis::compare::logs::{Analysis, Judged, RatioLimit, Row, Side, Verdict};
+use crate::analysis::compare::{Length, NEAREST, SIGNIFICANT};
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
 use sagnac_base::quantity::number::{interval_ends, probability, significant};
+use sagnac_records::events::Event;
 use sagnac_records::fit::Term;
+use sagnac_records::record::log::measure::Data;
 use sagnac_report::answer::reading::{number, range};
 use sagnac_report::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
 
@@ -190,5 +189,95 @@ impl Analysis {
             self.rows.as_ref().err().map(|why| Fact::Caveat { text: format!("no coefficients: {why}") }),
         );
         facts
+    }
+}
+
+/// All notes on the results.
+pub fn notes(analysis: &Analysis) -> Vec<String> {
+    let mut notes: Vec<String> = analysis.sides.iter().flat_map(|side| of_side(side, analysis)).collect();
+    let common = &analysis.comparison.common;
+    if common.farthest > 0.0 {
+        notes.push(format!(
+            "the averaging times of the records are up to {} % apart; those of {} are shown",
+            significant(100.0 * common.farthest, 2),
+            analysis.labels()[0]
+        ));
+    }
+    if common.left_out > 0 {
+        notes.push(format!(
+            "{} averaging times are omitted, because the other record has none within {} %",
+            common.left_out,
+            significant(100.0 * NEAREST, 2)
+        ));
+    }
+    if let Err(why) = &analysis.rows {
+        notes.push(format!("no coefficients: {why}"));
+    }
+    notes
+}
+
+fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
+    let mut notes: Vec<String> = side.reading.iter().map(|note| format!("{}: {note}", side.label)).collect();
+    if let Some(unit) = &side.overruled {
+        notes.push(format!("{}: the header says {unit}, but the given unit was used", side.label));
+    }
+    if side.missing > 0 {
+        notes.push(format!(
+            "{}: {} of {} samples are missing; terms that touch a gap are left out, and intervals of coefficients count \
+             gaps by the number of their samples only",
+            side.label, side.missing, side.samples
+        ));
+    }
+    let count = side.outliers.samples.len();
+    if count > 0 {
+        let of = if side.data == Data::Angle { " among the increments" } else { "" };
+        let named = if count == 1 { "outlier" } else { "outliers" };
+        let are_in_events =
+            side.outliers.samples.iter().all(|&sample| Event::is_in(&side.events.list, sample));
+        let fate = match analysis.treatment().outliers_removed {
+            true => "treated as gaps",
+            false if are_in_events => "left out with their events",
+            false => "kept; `remove_outliers = true` treats them as gaps",
+        };
+        notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));
+    }
+    notes
+}
+
+/// Formats a duration with two digits, such as `31 h`.
+pub fn duration(seconds: f64) -> String {
+    const UNITS: [(f64, f64, &str); 5] = [
+        (120.0, 1.0, "s"),
+        (7200.0, 60.0, "min"),
+        (72.0 * 3600.0, 3600.0, "h"),
+        (730.0 * 86400.0, 86400.0, "days"),
+        (f64::INFINITY, 365.25 * 86400.0, "years"),
+    ];
+    let (_, size, name) = UNITS.into_iter().find(|(most, ..)| seconds < *most).unwrap_or(UNITS[4]);
+    format!("{} {name}", significant(seconds / size, 2))
+}
+
+/// The required length of a row, such as `31 h` or `> 2.1 years`; empty where it is unknown.
+pub fn length(length: Length) -> String {
+    match length {
+        Length::Needed(length_s) => duration(length_s),
+        Length::Beyond(length_s) => format!("> {}", duration(length_s)),
+        Length::Unknown => String::new(),
+    }
+}
+
+/// A ratio with `digits` digits, or near 1 with enough to distinguish it from 1.
+pub fn times(ratio: f64, digits: usize) -> String {
+    let shown = (digits..digits + 6).map(|digits| significant(ratio, digits));
+    shown.into_iter().find(|text| text != "1").unwrap_or_else(|| "1".to_owned())
+}
+
+/// An interval such as `0.6 … 1.3`, with words where an end is unknown.
+pub(crate) fn interval([low, high]: [Option<f64>; 2], number: &dyn Fn(f64) -> String) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => format!("{} … {}", number(low), number(high)),
+        (Some(low), None) => format!("at least {}", number(low)),
+        (None, Some(high)) => format!("at most {}", number(high)),
+        (None, None) => "no interval".to_owned(),
     }
 }

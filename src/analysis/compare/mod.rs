@@ -38,25 +38,18 @@
 //! difference" for terms that a record does not show. A coefficient that an event of a record explains as well is not compared.
 
 pub mod answer;
-pub mod difference;
+pub mod equality_test;
 pub(crate) mod estimate;
-pub mod figures;
-pub mod length;
-pub mod limit;
 pub mod logs;
-pub mod notes;
-pub mod ratio;
-pub mod rows;
-pub(crate) mod same;
-pub mod tables;
-pub mod words;
+pub mod power_analysis;
+pub mod report;
 
-pub use crate::analysis::compare::difference::{Difference, MIN_P, SIGNIFICANT};
-pub use crate::analysis::compare::length::Length;
-pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
-pub use crate::analysis::compare::same::Same;
+pub use crate::analysis::compare::equality_test::Same;
+pub use crate::analysis::compare::equality_test::{Difference, MIN_P, SIGNIFICANT};
+pub use crate::analysis::compare::estimate::{Common, NEAREST, Ratio};
+pub use crate::analysis::compare::power_analysis::Length;
 
-use crate::analysis::compare::difference::Fits;
+use crate::analysis::compare::equality_test::Fits;
 use crate::analysis::log::model;
 use sagnac_records::allan::curve::{curve, suppose};
 use sagnac_records::allan::{Angles, Deviation, Point, Taus, Trend};
@@ -140,7 +133,7 @@ pub fn compare(a: &Events, b: &Events, fitting: Option<&Fitting>) -> Result<Comp
         Ok(Some((differences, same, fits))) => (Ok(differences), same, Some(fits)),
         Err(error) => (Err(error), None, None),
     };
-    let same = by_fits.or_else(|| crate::analysis::compare::same::by_least_p(&ratios));
+    let same = by_fits.or_else(|| crate::analysis::compare::equality_test::by_least_p(&ratios));
     Ok(Comparison { curves: [curve_a, curve_b], common, ratios, same, differences, fits })
 }
 
@@ -174,6 +167,6 @@ fn of_fits(
     };
     let left = |ratio: &Ratio| [0, 1].map(|i| left(&ratio.points[i], records[i]));
     let left: Vec<[f64; 2]> = ratios.iter().map(left).collect();
-    let same = crate::analysis::compare::same::by_fits(ratios, &left, &fits, widening)?;
+    let same = crate::analysis::compare::equality_test::by_fits(ratios, &left, &fits, widening)?;
     Ok((differences, same, fits))
 }

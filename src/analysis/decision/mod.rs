@@ -10,27 +10,22 @@
 //! the inputs; closed forms are used where there are some. Their intervals come from the scatter of 16 parts of the
 //! trials.
 
-pub(crate) mod budget;
-pub(crate) mod choice;
-mod compared;
+pub(crate) mod best_option;
 pub(crate) mod evaluate;
-pub(crate) mod lever;
-mod place;
-pub(crate) mod sheet;
-pub(crate) mod words;
+mod one_at_a_time;
+#[cfg(test)]
+mod tests;
 
-pub use crate::analysis::decision::budget::Part;
-pub use crate::analysis::decision::lever::{InputChange, Lever};
-pub use crate::analysis::decision::sheet::Sheet;
-
-use crate::analysis::decision::budget::budget;
-use crate::analysis::decision::choice::Choice;
-use crate::analysis::decision::evaluate::{Evaluator, MAX_TRIALS};
-use crate::analysis::decision::lever::lever;
+use crate::analysis::decision::best_option::Choice;
+use crate::analysis::decision::evaluate::{Evaluator, MAX_TRIALS, budget};
+use crate::analysis::decision::one_at_a_time::lever;
 use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::quantity::list::listed;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::source::diagnose::StudyError;
-use sagnac_base::table::ColumnError;
-use sagnac_engine::chart::Source;
+use sagnac_base::table::{ColumnError, Unit};
+use sagnac_engine::chart::{Limit, Source};
 use sagnac_engine::device::Device;
 use sagnac_engine::device::cpu::Cpu;
 use sagnac_engine::key::row::Key;
@@ -40,6 +35,11 @@ use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::share::Share;
 use sagnac_kernel::width::Width;
+use sagnac_report::answer as fact;
+use sagnac_report::answer::{Fact, Reading, Status};
+
+pub use crate::analysis::decision::evaluate::Part;
+pub use crate::analysis::decision::one_at_a_time::{InputChange, Lever};
 
 /// Why there is no decision sheet.
 #[derive(Debug, thiserror::Error)]
@@ -117,5 +117,113 @@ fn processor() -> Result<Device, DecisionError> {
     Ok(Device::Cpu(Cpu::new(Width::widest(), 0)?))
 }
 
-#[cfg(test)]
-mod tests;
+/// The decision sheet of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// Label of the judged estimate.
+    pub label: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// The limit, where there is one.
+    pub limit: Option<Limit>,
+    /// The best option; empty where there is only one.
+    pub option: String,
+    /// Number of options.
+    pub options: usize,
+    /// The condition under which the best option is worst; empty where there is only one.
+    pub condition: String,
+    /// Number of conditions under which it is within the limit, and of all conditions.
+    pub met: [usize; 2],
+    /// The estimate of the best option under that condition.
+    pub value: Figure,
+    /// The estimate in the unit in which it is shown.
+    pub reading: Reading,
+    /// Fillers that are no options, because firmware cannot have them.
+    pub left_out: Vec<String>,
+    /// The error budget, the largest part first; empty where there is none.
+    pub budget: Vec<Part>,
+    /// The next lever.
+    pub lever: Option<Lever>,
+}
+
+impl Sheet {
+    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, lever: Option<Lever>) -> Sheet {
+        Sheet {
+            label: choice.column.label.clone(),
+            unit: choice.column.unit,
+            limit: choice.limit,
+            option: choice.option.clone(),
+            options: choice.options,
+            condition: choice.condition.clone(),
+            met: choice.met,
+            value: (choice.value(), choice.interval()).into(),
+            reading: choice.reading(),
+            left_out: choice.left_out.clone(),
+            budget,
+            lever,
+        }
+    }
+
+    /// Whether the best option meets the limit under all conditions; `None` without a limit, and where the 95 % interval
+    /// contains it.
+    pub fn is_met(&self) -> Option<bool> {
+        let limit = self.limit?.value;
+        (!self.is_open(limit)).then_some(self.value.value <= limit)
+    }
+
+    fn is_open(&self, limit: f64) -> bool {
+        self.value.interval.is_some_and(|(low, high)| low <= limit && limit < high)
+    }
+
+    /// The state of the limit.
+    pub fn status(&self) -> Status {
+        match (self.limit, self.is_met(), self.met) {
+            (None, ..) => Status::NoLimit,
+            (_, None, _) => Status::Inconclusive,
+            (_, Some(true), _) => Status::Met,
+            (_, _, [0, _]) => Status::NotMet,
+            (_, _, [met, of]) => Status::PartlyMet { met, of },
+        }
+    }
+
+    /// The facts of the sheet.
+    pub fn facts(&self) -> Vec<Fact> {
+        let mut facts = Vec::new();
+        if self.met[1] > 1 && self.value.value.is_finite() {
+            let ratio = self.limit.map(|limit| self.value.value / limit.value).filter(|ratio| *ratio > 1.0);
+            let option = (self.options > 1).then_some(self.option.as_str());
+            let parts = [&self.condition, option.unwrap_or_default()];
+            let at = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
+            facts.push(Fact::WorstCase { value: self.reading.clone(), at, ratio_to_limit: ratio });
+        }
+        if self.budget.len() > 1 {
+            let part = |part: &Part| fact::Part {
+                name: part.name.to_owned(),
+                share: part.share.value,
+                interval: part.share.interval.map(|(low, high)| [low, high]),
+            };
+            let parts = self.budget.iter().map(part).collect();
+            facts.push(Fact::ErrorBudget { parts, at: String::new() });
+        }
+        facts.extend(self.lever.as_ref().filter(|_| self.is_met() != Some(true)).map(Lever::fact));
+        if !self.left_out.is_empty() {
+            let names = listed(&self.left_out);
+            facts.push(Fact::Caveat {
+                text: format!("{names}: designed for exactly this motion, which firmware does not know"),
+            });
+        }
+        facts
+    }
+}
+
+/// A quantity with this many digits; a time below a tenth of a second in milliseconds.
+pub(crate) fn short(quantity: Quantity, digits: usize) -> String {
+    // In the unit that is shown.
+    let shown = quantity.read();
+    let part = significant(shown, digits).parse().map_or(1.0, |rounded: f64| rounded / shown);
+    let value = if shown == 0.0 { 0.0 } else { quantity.value * part };
+    match quantity.dimension {
+        Dimension::Time if value.abs() < 0.1 => format!("{} ms", significant(1000.0 * value, digits)),
+        _ => Quantity { value, ..quantity }.to_string(),
+    }
+}

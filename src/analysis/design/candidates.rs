@@ -1,7 +1,12 @@
-//! The candidate intervals for each filler.
+//! The candidates of a design, and the constraints that they have to meet.
 
 use crate::analysis::design::DesignError;
+use crate::analysis::firmware::fixed_point_filter::Memory;
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::filler::ticks::latency_ticks;
+use sagnac_engine::filler::{Fill, Filler};
 use sagnac_engine::key::common::Streams;
+use sagnac_engine::kinds::gap_fill::inputs::Inputs;
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use sagnac_engine::kinds::switched_run::point::Point as RunPoint;
@@ -109,4 +114,158 @@ fn thinned<'a, T>(near: &[&'a T]) -> Vec<&'a T> {
     let mut places: Vec<usize> = (0..CANDIDATES).map(|i| i * last / (CANDIDATES - 1)).collect();
     places.dedup();
     places.into_iter().filter_map(|place| near.get(place).copied()).collect()
+}
+
+/// What a filler must meet to be tried.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Constraints {
+    /// Longest time from the end of the gap to the correction, s.
+    pub latency_s: Option<f64>,
+    /// Largest memory of its tables and its state, bytes; see [`Memory`].
+    pub memory_bytes: Option<u64>,
+}
+
+/// What a filler takes in firmware.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Time from the end of the gap to the correction, s: as many ticks as the filler reads after the gap.
+    pub latency_s: f64,
+    /// Memory of its tables and its state.
+    pub memory: Memory,
+}
+
+impl Cost {
+    /// The cost of a filler that reads these ticks.
+    pub(crate) fn of(filler: &Filler, fill: &Fill, inputs: &Inputs) -> Cost {
+        Cost {
+            latency_s: f64::from(latency_ticks(&fill.fit_ticks, inputs.gap_ticks)) * inputs.tick_s,
+            memory: Memory::of_filler(filler, fill, inputs.gap_ticks),
+        }
+    }
+}
+
+/// Excess of a latency that counts as rounding, as times are rounded to 12 digits.
+const ROUNDING: f64 = 1e-11;
+
+impl Constraints {
+    /// Whether there are any.
+    pub fn are_given(&self) -> bool {
+        *self != Constraints::default()
+    }
+
+    /// The constraints as sentences have them, such as `a latency of at most 5 ms`.
+    pub(crate) fn told(&self) -> String {
+        let latency =
+            self.latency_s.map(|latency_s| format!("a latency of at most {}", milliseconds(latency_s)));
+        let memory = self.memory_bytes.map(|bytes| format!("at most {bytes} bytes of memory"));
+        latency.into_iter().chain(memory).collect::<Vec<_>>().join(" and ")
+    }
+
+    /// The reasons why a filler is left out; empty where it meets the constraints.
+    fn broken_by(&self, cost: Cost) -> Vec<String> {
+        let late = self.latency_s.is_some_and(|most| cost.latency_s > most * (1.0 + ROUNDING));
+        let large = self.memory_bytes.is_some_and(|most| cost.memory.bytes() > most);
+        let late = late.then(|| format!("a latency of {}", milliseconds(cost.latency_s)));
+        late.into_iter().chain(large.then(|| format!("{} bytes", cost.memory.bytes()))).collect()
+    }
+
+    /// Whether a filler of this cost meets them.
+    pub(crate) fn meets(&self, cost: Cost) -> bool {
+        self.broken_by(cost).is_empty()
+    }
+
+    /// How far a filler is from meeting the constraints, as the largest ratio to one of them.
+    fn excess(&self, cost: Cost) -> f64 {
+        let latency = self.latency_s.map_or(0.0, |most| ratio(cost.latency_s, most));
+        let memory = self.memory_bytes.map_or(0.0, |most| ratio(cost.memory.bytes() as f64, most as f64));
+        latency.max(memory)
+    }
+}
+
+/// The ratio to a constraint, which may be 0.
+fn ratio(value: f64, most: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value / most }
+}
+
+/// A time in milliseconds.
+pub(crate) fn milliseconds(time_s: f64) -> String {
+    format!("{} ms", significant(1e3 * time_s, 6))
+}
+
+/// A filler that breaks a constraint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LeftOut {
+    /// Its name.
+    pub filler: String,
+    /// The reason, such as `a latency of 10 ms`.
+    pub why: String,
+    /// Number of variants without it.
+    pub variants: usize,
+}
+
+/// Takes the fillers that break a constraint out of the runs of a variant, and notes them in `left_out`. The cost of each
+/// remaining filler, in the order of the study; none where the study has no fillers.
+///
+/// # Errors
+/// No filler remains: the error names the one that is nearest.
+pub(crate) fn constrained(
+    runs: &mut SwitchedRun,
+    constraints: &Constraints,
+    left_out: &mut Vec<LeftOut>,
+) -> Result<Vec<Cost>, DesignError> {
+    let Some(fill) = &runs.points[0].fill else {
+        return if constraints.are_given() { Err(DesignError::NoFillers) } else { Ok(vec![]) };
+    };
+    let cost = |(filler, own): (&Filler, &Fill)| Cost::of(filler, own, &fill.inputs);
+    let costs: Vec<Cost> = runs.fillers().iter().zip(fill.fills.iter()).map(cost).collect();
+    let broken: Vec<String> = costs.iter().map(|cost| constraints.broken_by(*cost).join(" and ")).collect();
+    for (filler, why) in runs.fillers().iter().zip(&broken).filter(|(_, why)| !why.is_empty()) {
+        match left_out.iter_mut().find(|known| known.filler == filler.name) {
+            Some(known) => known.variants += 1,
+            None => left_out.push(LeftOut { filler: filler.name.clone(), why: why.clone(), variants: 1 }),
+        }
+    }
+    if broken.iter().all(|why| !why.is_empty()) {
+        let excess = |place: usize| constraints.excess(costs[place]);
+        let nearest = (0..costs.len()).min_by(|a, b| excess(*a).total_cmp(&excess(*b))).unwrap_or(0);
+        return Err(DesignError::NoneLeft {
+            asked: constraints.told(),
+            nearest: runs.fillers()[nearest].name.clone(),
+            why: broken[nearest].clone(),
+            excess: excess(nearest),
+        });
+    }
+    let is_kept = |place: usize| broken[place].is_empty();
+    for point in runs.points.iter_mut().filter_map(|point| point.fill.as_mut()) {
+        let mut fills = point.fills.to_vec();
+        keep(&mut fills, is_kept);
+        point.fills = fills.into();
+    }
+    if let Some(fill) = &mut runs.fill {
+        keep(&mut fill.fillers, is_kept);
+    }
+    let mut costs = costs;
+    keep(&mut costs, is_kept);
+    Ok(costs)
+}
+
+/// Keeps some items by their places.
+pub(crate) fn keep<T>(items: &mut Vec<T>, is_kept: impl Fn(usize) -> bool) {
+    let mut places = 0..;
+    items.retain(|_| places.next().is_some_and(&is_kept));
+}
+
+/// A note on the fillers that break a constraint, in one line.
+pub(crate) fn note(constraints: &Constraints, left_out: &[LeftOut], variants: usize) -> Option<String> {
+    let one = |out: &LeftOut| {
+        let part = if out.variants == variants {
+            String::new()
+        } else {
+            format!(", in {} of {variants} variants", out.variants)
+        };
+        format!("{} ({}{part})", out.filler, out.why)
+    };
+    let all: Vec<String> = left_out.iter().map(one).collect();
+    (!all.is_empty())
+        .then(|| format!("left out, because {} is required: {}", constraints.told(), all.join(", ")))
 }

@@ -46,42 +46,40 @@
 
 mod answer;
 pub(crate) mod candidates;
-pub mod constraints;
-pub(crate) mod error;
-pub mod found;
-pub(crate) mod measure;
+pub mod filler_search;
 pub(crate) mod optimum;
-pub(crate) mod paper;
-pub mod pareto;
 pub mod report;
+pub mod result;
 pub(crate) mod runs;
-pub(crate) mod sampling;
-pub mod searched;
-pub(crate) mod variants;
 
-pub use crate::analysis::design::constraints::{Constraints, Cost};
-pub use crate::analysis::design::error::DesignError;
-pub use crate::analysis::design::found::{Design, Filler, Found, Tried, Variant};
-pub use crate::analysis::design::measure::Measure;
-pub use crate::analysis::design::paper::PapersRule;
-pub use crate::analysis::design::searched::Search;
-
-use crate::analysis::design::candidates::Maker;
-use crate::analysis::design::constraints::{LeftOut, constrained};
-use crate::analysis::design::found::deciding;
+use crate::analysis::design::candidates::{LeftOut, Maker, constrained};
+use crate::analysis::design::filler_search::with_searched;
 use crate::analysis::design::optimum::least_of;
+use crate::analysis::design::result::deciding;
 use crate::analysis::design::runs::{Chosen, Runner, work};
-use crate::analysis::design::searched::with_searched;
-use crate::analysis::design::variants::Values;
+use crate::analysis::jackknife::PARTS;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;
-use sagnac_engine::device::Device;
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_engine::device::error::GpuError;
+use sagnac_engine::device::{Device, Job};
 use sagnac_engine::drift::schedule::{End, INTERVAL};
-use sagnac_engine::kinds::switched_run::SwitchedRun;
-use sagnac_engine::kinds::switched_run::Timing;
+use sagnac_engine::key::refusal::Refusal;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::kinds::switched_run::lower::FilledRun;
+use sagnac_engine::kinds::switched_run::point::Point as RunPoint;
 use sagnac_engine::kinds::switched_run::run::late;
+use sagnac_engine::kinds::switched_run::{SwitchedRun, Timing};
 use sagnac_engine::sampling::worker::Worker;
 use sagnac_engine::study::Study;
+use sagnac_engine::tally::block::Block;
+use sagnac_kernel::moments::Moments;
+use sagnac_theory::drift::budget::{Budget, Optimum};
+
+pub use crate::analysis::design::candidates::{Constraints, Cost};
+pub use crate::analysis::design::filler_search::Search;
+pub use crate::analysis::design::result::{Design, Filler, Found, Tried, Variant};
+pub use crate::analysis::design::runs::Measure;
 
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.
 const MANY: u64 = 20_000_000_000;
@@ -115,7 +113,7 @@ pub fn design(
         return Err(DesignError::Kind(study.kind().name));
     };
     let mut left_out = Vec::new();
-    let all = within(constraints, variants::of(runs), &mut left_out)?;
+    let all = within(constraints, variants(runs), &mut left_out)?;
     let swept = study.sweeps.iter().any(|sweep| sweep.key.name == INTERVAL.name);
     let mut chosen = Vec::new();
     for (values, runs, costs) in &all {
@@ -123,7 +121,7 @@ pub fn design(
         let candidates = maker.choose().map_err(|error| error.of_variant(values))?;
         chosen.push(Chosen { candidates, costs, maker });
     }
-    let trials = sampling::trials(study.trials);
+    let trials = trials_of(study.trials);
     let candidates = || chosen.iter().flat_map(|chosen| chosen.candidates.iter().flatten());
     // The optimum of each filler and the interval of the paper's rule are added when they are found.
     let total = candidates().map(|candidate| work(candidate, trials)).sum::<u64>();
@@ -151,7 +149,7 @@ pub fn design(
     }
     let drifts: Vec<f64> = found.iter().map(|variant| deciding(&found, variant.best().best())).collect();
     let best = least_of(&drifts);
-    let of_fillers = constraints::note(constraints, &left_out, variants::of(runs).len());
+    let of_fillers = candidates::note(constraints, &left_out, variants(runs).len());
     let notes =
         runner.worker.into_notes().into_iter().chain(notes(study, runs)).chain(of_fillers).chain(effort);
     Ok(Design {
@@ -206,4 +204,193 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     notes.extend(steady.then(|| PHASES.to_owned()));
     notes.extend(exact.then(|| ENDS.to_owned()));
     notes
+}
+
+/// The number of trials, at least `asked`, for which all parts have the same power of two.
+fn trials_of(asked: u64) -> u64 {
+    asked.div_ceil(PARTS).max(32).next_power_of_two() * PARTS
+}
+
+/// The tallies of the angle at the end and of the largest angle, for each part.
+pub(crate) fn parts(
+    filled: &FilledRun,
+    switches: u64,
+    trials: u64,
+    worker: &mut Worker,
+    progress: &dyn Progress,
+) -> Result<Vec<[Moments; 2]>, GpuError> {
+    let of_part = trials / PARTS;
+    let log2 = of_part.ilog2();
+    let launches = filled.launches();
+    let Some((launch, _)) = launches.first() else { return Ok(vec![]) };
+    let block = |part: u64| Block { first: part * of_part, log2 };
+    let jobs: Vec<Job> = (0..PARTS).map(|part| Job { launch, block: block(part) }).collect();
+    let results = worker.tally(&jobs, &|trials| progress.advance(trials * switches))?;
+    let of_part = |tallies: Vec<Moments>| {
+        let mut tallies = tallies.into_iter();
+        [0, 1].map(|_| tallies.next().unwrap_or_else(|| Moments::empty(true)))
+    };
+    Ok(results.into_iter().map(of_part).collect())
+}
+
+/// The values of the swept keys other than the interval, in the order of the sweeps.
+pub(crate) type Values = Vec<(&'static str, Swept)>;
+
+/// The runs of each variant, in the order of the sweeps; a single one where only the interval is swept. The points of a
+/// variant differ in the interval alone.
+fn variants(runs: &SwitchedRun) -> Vec<(Values, SwitchedRun)> {
+    let mut variants: Vec<(Values, SwitchedRun)> = Vec::new();
+    for point in &runs.points {
+        let values: Values = point.swept.iter().filter(|(key, _)| *key != INTERVAL.name).cloned().collect();
+        match variants.iter_mut().find(|(known, _)| *known == values) {
+            Some((_, own)) => own.points.push(point.clone()),
+            None => {
+                // Further times and trajectories would cost runs and are not needed.
+                let own = SwitchedRun {
+                    points: vec![point.clone()],
+                    times: vec![],
+                    trajectories: 0,
+                    ..runs.clone()
+                };
+                variants.push((values, own));
+            }
+        }
+    }
+    variants
+}
+
+/// The paper's choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PapersRule {
+    /// The interval at which the bound has its minimum, s.
+    pub interval_s: f64,
+    /// Z(7) at that interval, ″/s.
+    pub bound: f64,
+    /// The result at that interval.
+    pub tried: Tried,
+}
+
+/// The minimum of the bound for a filler; `None` where switching costs nothing.
+pub(crate) fn optimum(point: &RunPoint, filled: &FilledRun) -> Option<Optimum> {
+    let residual_max = filled.residual_max();
+    let drift = &point.drift;
+    let budget = Budget { magnetic: drift.magnetic_drift(), non_magnetic: drift.non_magnetic, residual_max };
+    budget.optimum(point.schedule.duration_s)
+}
+
+/// Why a design is not possible.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// The study is of this other kind.
+    #[error("a study of kind = \"{0}\" has no switching interval to choose")]
+    Kind(&'static str),
+    /// Nothing depends on the interval.
+    #[error("there is no drift and no residual: every interval is as good as any other")]
+    Nothing,
+    /// The run of this time t, in s, is too short for two intervals.
+    #[error("a run of {0} s has no room for two of the shortest intervals, which have to hold the fit ticks")]
+    NoCandidate(f64),
+    /// Constraints on fillers, where the study has none.
+    #[error("latency and memory are those of fillers, and the study has none")]
+    NoFillers,
+    /// A band for searched fillers that reaches above half the tick rate.
+    #[error("the band reaches {high_hz} Hz, above the Nyquist frequency of ticks of {tick_s} s")]
+    Band {
+        /// The upper end of the band, Hz.
+        high_hz: f64,
+        /// The tick, s.
+        tick_s: f64,
+    },
+    /// The fillers of the search do not fit the study.
+    #[error("{0}")]
+    Study(#[from] StudyError),
+    /// No filler meets the constraints.
+    #[error("no filler has {asked}: the nearest, {nearest}, has {why}")]
+    NoneLeft {
+        /// The constraints.
+        asked: String,
+        /// The filler that is nearest to meeting them.
+        nearest: String,
+        /// How it breaks them.
+        why: String,
+        /// How far it is from that, as a ratio.
+        excess: f64,
+    },
+    /// A run at one of the intervals does not fit into fixed point.
+    #[error(transparent)]
+    Lower(#[from] Refusal),
+    /// An error of one of several variants.
+    #[error("{error}, at {at}")]
+    At {
+        /// The swept keys with their values.
+        at: String,
+        /// The error at these values.
+        error: Box<DesignError>,
+    },
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The runs do not say where 99.73 % of them lie.
+    #[error("{trials} runs are too few for the {}", measure.label())]
+    TooFew {
+        /// Number of runs.
+        trials: u64,
+        /// Requested measure.
+        measure: Measure,
+    },
+}
+
+impl DesignError {
+    /// The error of a variant with these values of swept keys.
+    pub(crate) fn of_variant(self, swept: &[(&'static str, Swept)]) -> DesignError {
+        let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        match self {
+            DesignError::Gpu(_) => self,
+            _ if at.is_empty() => self,
+            _ => DesignError::At { at: at.join(", "), error: Box::new(self) },
+        }
+    }
+
+    /// How far fillers are from meeting the constraints, where none does.
+    pub(crate) fn excess(&self) -> Option<f64> {
+        match self {
+            DesignError::NoneLeft { excess, .. } => Some(*excess),
+            DesignError::At { error, .. } => error.excess(),
+            _ => None,
+        }
+    }
+
+    /// The error at the place in the study that caused it.
+    ///
+    /// # Errors
+    /// The device failed.
+    pub fn in_study(self, study: &Study) -> Result<StudyError, GpuError> {
+        if let DesignError::Study(error) = self {
+            return Ok(error);
+        }
+        let (key, help) = self.remedy()?;
+        Ok(study.error_at(study.place_of(key), self.to_string(), help))
+    }
+
+    /// The key to change, and how.
+    fn remedy(&self) -> Result<(&'static str, &'static str), GpuError> {
+        Ok(match self {
+            DesignError::Kind(_) => ("kind", "give a study of kind = \"switched-run\""),
+            DesignError::Nothing => ("drift", "give drift.magnetic, and fillers or drift.residual_max"),
+            DesignError::NoCandidate(_) => ("run.duration", "lengthen the run, or sweep switching.interval"),
+            DesignError::NoFillers => (
+                "drift.residual_max",
+                "leave the constraints out, or take fillers instead of drift.residual_max",
+            ),
+            DesignError::NoneLeft { .. } => {
+                ("switching.fillers", "allow more, or add a filler that reads fewer ticks")
+            }
+            DesignError::Band { .. } => ("gyro.tick", "give a lower band, or a shorter gyro.tick"),
+            DesignError::Study(_) => ("switching.fillers", "give other fillers"),
+            DesignError::TooFew { .. } => ("trials", "increase them; 100_000 is usual"),
+            DesignError::Lower(lower) => (lower.key, lower.help),
+            DesignError::At { error, .. } => return error.remedy(),
+            DesignError::Gpu(error) => return Err(error.clone()),
+        })
+    }
 }

@@ -1,12 +1,12 @@
-//! Sampling of all candidates of a variant, and the best one of each filler.
+//! Runs of candidates, and the estimate by which they are compared.
 
-use crate::analysis::design::candidates::{Candidate, Maker};
-use crate::analysis::design::constraints::Cost;
-use crate::analysis::design::found::{Filler, Found, Tried};
-use crate::analysis::design::paper::{self, PapersRule};
-use crate::analysis::design::{DesignError, Measure, optimum, sampling};
+use crate::analysis::design;
+use crate::analysis::design::candidates::{Candidate, Cost, Maker};
+use crate::analysis::design::result::{Filler, Found, Tried};
+use crate::analysis::design::{DesignError, PapersRule, optimum};
 use crate::analysis::jackknife::halves;
 use sagnac_base::progress::Progress;
+use sagnac_engine::key::holds::names;
 use sagnac_engine::kinds::switched_run::lower::FilledRun;
 use sagnac_engine::sampling::worker::Worker;
 use sagnac_engine::tally::stats::{Estimates, NORMAL_95};
@@ -55,7 +55,7 @@ impl Runner<'_> {
             }
             let filled = &candidates[0].filled;
             let mut papers_rule = None;
-            if let Some(Optimum { interval_s, bound }) = paper::optimum(&runs.points[0], filled)
+            if let Some(Optimum { interval_s, bound }) = design::optimum(&runs.points[0], filled)
                 && let Some(candidate) = maker.at(interval_s, place)?
             {
                 let at_rule = self.joining(&candidate, duration_s)?;
@@ -94,7 +94,7 @@ impl Runner<'_> {
         self.done += work(candidate, trials);
         let Candidate { interval_s, switches, filled, .. } = candidate;
         let mut level = |filled: &FilledRun| {
-            let parts = sampling::parts(filled, *switches, trials, &mut self.worker, self.progress)?;
+            let parts = design::parts(filled, *switches, trials, &mut self.worker, self.progress)?;
             of_parts(filled, &parts, measure, trials, duration_s)
         };
         let (drift, halves) = level(filled)?;
@@ -155,4 +155,40 @@ fn merged<'a>(parts: impl Iterator<Item = &'a Moments>) -> Moments {
     let mut total = Moments::empty(true);
     parts.for_each(|part| total.merge(part));
     total
+}
+
+names! {
+    /// The quantity to minimize, as listed by `--by`.
+    pub enum Measure {
+        /// The drift that 99.73 % of runs do not exceed.
+        DriftP9973 = "drift_p99_73",
+        /// The rms drift.
+        DriftRms = "drift_rms",
+        /// The largest angle of a run, divided by the run time, that 99.73 % of runs do not exceed.
+        LargestP9973 = "largest_p99_73",
+        /// The rms of the largest angle of a run, divided by the run time.
+        LargestRms = "largest_rms",
+    }
+}
+
+impl Measure {
+    /// Meaning, as a sentence.
+    pub fn meaning(self) -> &'static str {
+        Measure::WORDS[self as usize].meaning.trim()
+    }
+
+    /// Label for axes and sentences.
+    pub fn label(self) -> &'static str {
+        match self {
+            Measure::DriftP9973 => "99.73 % drift",
+            Measure::DriftRms => "rms drift",
+            Measure::LargestP9973 => "99.73 % largest angle over the run time",
+            Measure::LargestRms => "rms largest angle over the run time",
+        }
+    }
+
+    /// Whether it refers to the largest angle of a run instead of that at its end.
+    pub(crate) fn is_largest(self) -> bool {
+        matches!(self, Measure::LargestP9973 | Measure::LargestRms)
+    }
 }

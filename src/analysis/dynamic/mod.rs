@@ -6,9 +6,7 @@
 //! ```
 
 pub mod change;
-pub mod figures;
-pub mod tables;
-pub mod words;
+pub mod report;
 
 use crate::analysis::log::{Treatment, model, temperatures};
 use sagnac_base::quantity::number::significant;

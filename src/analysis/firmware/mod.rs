@@ -26,23 +26,19 @@
 //! # Ok::<(), sagnac::source::diagnose::StudyError>(())
 //! ```
 
-pub mod alone;
-mod answer;
 pub mod choice;
 pub mod design;
-pub(crate) mod header;
-pub mod memory;
-pub(crate) mod response;
-pub mod rule;
+pub(crate) mod export;
+pub mod fixed_point_filter;
+pub(crate) mod report;
 pub mod search;
-pub(crate) mod tables;
-pub(crate) mod vectors;
+pub mod standalone;
 
-pub use crate::analysis::firmware::alone::{Alone, KINDS, MINIMUM_VARIANCE};
 pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_point};
 pub use crate::analysis::firmware::design::{Closed, Design, Firmware, rules};
-pub use crate::analysis::firmware::header::identifiers;
-pub use crate::analysis::firmware::memory::Memory;
-pub use crate::analysis::firmware::rule::Rule;
+pub use crate::analysis::firmware::export::Vectors;
+pub use crate::analysis::firmware::export::identifiers;
+pub use crate::analysis::firmware::fixed_point_filter::Memory;
+pub use crate::analysis::firmware::fixed_point_filter::Rule;
 pub use crate::analysis::firmware::search::{Asked, Candidate, Trade};
-pub use crate::analysis::firmware::vectors::Vectors;
+pub use crate::analysis::firmware::standalone::{Alone, KINDS, MINIMUM_VARIANCE};

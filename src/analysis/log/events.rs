@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::analysis::log::tables::{key, text};
+use crate::analysis::log::report::{key, text};
 use crate::analysis::log::{Analysis, Column, Treatment};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;

@@ -11,8 +11,7 @@ use sagnac_theory::allan::terms::Shape;
 use sagnac_theory::allan::{Part, Process, Term};
 
 use crate::analysis::log::events::are_left_out;
-use crate::analysis::log::notes::heading;
-use crate::analysis::log::tables::{least, least_or_bound};
+use crate::analysis::log::report::{heading, least, least_or_bound};
 use crate::analysis::log::{Analysis, Column, Curve};
 
 /// Points of a line per octave of τ: of a sine, whose hump has ripples, and of any other term.

@@ -12,9 +12,8 @@ pub mod events;
 pub mod figures;
 pub mod navigators;
 pub mod noise_file;
-pub mod notes;
 pub(crate) mod records;
-pub mod tables;
+pub mod report;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -22,8 +21,8 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
-use crate::analysis::temperature::course::Course;
-use crate::analysis::temperature::{MIN_CHANGE, averages};
+use crate::analysis::temperature::smoothing::Course;
+use crate::analysis::temperature::{MIN_CHANGE, smoothing};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::curve::{curve, suppose};
@@ -394,7 +393,7 @@ pub fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
     if log.is_compensated {
         return (vec![], vec![]);
     }
-    let block = log.samples().div_ceil(averages::MAX_BLOCKS);
+    let block = log.samples().div_ceil(smoothing::MAX_BLOCKS);
     let course = |(name, measured): &(String, Vec<f64>)| {
         let course = Course::of(measured, block);
         let course = if log.data == Data::Angle { course.midway() } else { course };

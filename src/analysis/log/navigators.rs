@@ -6,8 +6,7 @@
 
 use crate::analysis::decision::{Figure, Sheet, decide};
 use crate::analysis::log::noise_file::{self, quantity};
-use crate::analysis::log::notes::one_line;
-use crate::analysis::log::tables::{key, text};
+use crate::analysis::log::report::{key, one_line, text};
 use crate::analysis::log::{Analysis, Column};
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::quantity::number::{significant, with_unit};

@@ -7,7 +7,7 @@ use sagnac_theory::allan::Term;
 use sagnac_theory::allan::terms::Shape;
 
 use crate::analysis::data_sheet::DataSheet;
-use crate::analysis::log::notes::one_line;
+use crate::analysis::log::report::one_line;
 use crate::analysis::log::{Analysis, Column};
 
 /// Most bytes of the name of a column in the name of a file, which file systems limit to 255.

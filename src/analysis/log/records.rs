@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::analysis::data_sheet::DataSheet;
-use crate::analysis::log::tables::text;
+use crate::analysis::log::report::text;
 use crate::analysis::log::{Analysis, Column};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};

@@ -21,14 +21,9 @@
 //! is above that of the truth is no proof that every linear functional of it is, but those that weigh the same times are
 //! (`docs/dev/numerics.md` has the consistency of a Kalman filter).
 
-pub mod answer;
-pub mod document;
-pub mod figures;
-pub(crate) mod least;
-pub mod noise;
-pub mod repeat;
+pub mod report;
 pub mod search;
-pub mod states;
+pub mod state_space;
 pub mod tables;
 pub mod target;
 pub mod writers;

@@ -1,13 +1,12 @@
 //! The page of a batch.
 
-use crate::analysis::batch::answer::notes;
 use crate::analysis::batch::random_effects::Pooled;
-use crate::analysis::batch::{Batch, Coefficient, Found, figures, tables};
+use crate::analysis::batch::report::notes;
+use crate::analysis::batch::{Batch, Coefficient, Found, report};
 use crate::analysis::page::log::cell;
 use crate::analysis::page::{chart, interval};
 use crate::analysis::requirement::Decision;
-use sagnac_base::quantity::number::probability;
-use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::titled;
 use sagnac_report::answer::reading::capitalized;
 use sagnac_report::chart::picture::Picture;
@@ -15,13 +14,13 @@ use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of a batch of units with the decision to which it leads.
 pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {
-    let curves = [chart("chart-1", Picture::Curves(figures::curves(batch)))];
-    let coefficients = figures::coefficients(batch).map(|figure| chart("chart-2", Picture::Curves(figure)));
+    let curves = [chart("chart-1", Picture::Curves(report::curves(batch)))];
+    let coefficients = report::coefficients(batch).map(|figure| chart("chart-2", Picture::Curves(figure)));
     let tables = [units(batch), values(batch)].map(Block::Grid);
     Page {
         title: format!("A batch of {} units", batch.labels.len()),
         scope: String::new(),
-        subtitle: format!("How even are these units? {}", capitalized(&figures::subtitle(batch))),
+        subtitle: format!("How even are these units? {}", capitalized(&report::subtitle(batch))),
         answer: decision.answer.clone(),
         notes: notes(batch),
         sections: vec![
@@ -29,9 +28,9 @@ pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {
             Section::new("deviations", "Deviations", curves),
         ],
         tables: [
-            ("batch.csv", tables::batch(batch)),
-            ("units.csv", tables::units(batch)),
-            ("records.csv", tables::records(batch)),
+            ("batch.csv", report::batch(batch)),
+            ("units.csv", report::units(batch)),
+            ("records.csv", report::records(batch)),
         ]
         .into_iter()
         .chain(decision.file())

@@ -1,11 +1,8 @@
 //! The page of two logs that are compared.
 
-use crate::analysis::compare::Ratio;
-use crate::analysis::compare::logs::{Analysis, Side};
-use crate::analysis::compare::notes::notes;
-use crate::analysis::compare::rows::Row;
-use crate::analysis::compare::words::{interval, length, times};
-use crate::analysis::compare::{figures, tables};
+use crate::analysis::compare::answer::{interval, length, notes, times};
+use crate::analysis::compare::logs::{Analysis, Row, Side};
+use crate::analysis::compare::{Ratio, report};
 use crate::analysis::log::events;
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
 use crate::analysis::page::{chart, shown};
@@ -21,10 +18,10 @@ use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
 /// The page of two logs from their comparison and the decision to which it leads.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
     let [a, b] = analysis.labels();
-    let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
+    let figures = [("chart-1", report::curves(analysis)), ("chart-2", report::ratio(analysis))];
     let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
     let deviations = charts.into_iter().chain([ratios(analysis)]);
-    let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
+    let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", report::coefficients(analysis)));
     let shows = analysis.events().concat();
     Page {
         title: format!("{a} and {b} compared"),
@@ -41,9 +38,9 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
         tables: of_fits
             .into_iter()
             .chain([
-                ("compare.csv", tables::ratios(analysis)),
+                ("compare.csv", report::ratios(analysis)),
                 ("events.csv", events::table_of(&shows)),
-                ("records.csv", tables::records(analysis)),
+                ("records.csv", report::records(analysis)),
             ])
             .chain(decision.file())
             .collect(),

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::analysis::compare::length::expected;
-use crate::analysis::compare::words::duration;
+use crate::analysis::compare::answer::duration;
+use crate::analysis::compare::power_analysis::expected;
 use crate::analysis::data_sheet::{Row, each_once};
-use crate::analysis::log::{self, Analysis as Noise, Column, Curve, events, figures, noise_file, notes};
+use crate::analysis::log::{Analysis as Noise, Column, Curve, events, figures, noise_file, report};
 use crate::analysis::page::record::{self, by_name};
 use crate::analysis::page::{chart, interval, range, shown, spectrum, stability};
-use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
+use crate::analysis::spectrum::{Analysis, NoSpectrum, report as of_spectra};
 use sagnac_base::quantity::number::{significant, with_unit};
 use sagnac_base::table::titled;
 use sagnac_records::allan::noise::MIN_GROUPS;
@@ -32,13 +32,13 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
     let file = noise.path.file_name().unwrap_or(noise.path.as_os_str()).to_string_lossy();
     let has_spectra = !analysis.spectra.is_empty();
     let of_spectra = has_spectra.then(|| {
-        [("lines.csv", tables::lines(analysis)), ("white_noise.csv", tables::white_noise(analysis))]
+        [("lines.csv", of_spectra::lines(analysis)), ("white_noise.csv", of_spectra::white_noise(analysis))]
     });
     let of_noise = [
-        ("coefficients.csv", log::tables::coefficients(noise)),
-        ("curve.csv", log::tables::table(noise)),
+        ("coefficients.csv", report::coefficients(noise)),
+        ("curve.csv", report::table(noise)),
         ("events.csv", events::table(noise)),
-        ("records.csv", tables::records(analysis)),
+        ("records.csv", of_spectra::records(analysis)),
     ];
     let sections = [
         deviations(noise),
@@ -52,11 +52,11 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
         scope: String::new(),
         subtitle: format!(
             "Which noise does this log show? {}; {}",
-            notes::heading(noise),
+            report::heading(noise),
             noise.treatment.summary()
         ),
         answer,
-        notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
+        notes: of_spectra::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: sections.into(),
         tables: of_noise.into_iter().chain(of_spectra.into_iter().flatten()).collect(),
     }

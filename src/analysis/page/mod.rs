@@ -15,25 +15,21 @@
 mod batch;
 mod comparison;
 mod design;
-mod filler;
-mod further;
 mod log;
 mod model;
 mod record;
-mod sensitivity;
 mod spectrum;
 mod study;
-mod trace;
 
 pub use crate::analysis::page::batch::of_batch;
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
-pub use crate::analysis::page::filler::of_filler;
-pub use crate::analysis::page::further::{of_dynamic, of_navigators, of_temperature};
+pub use crate::analysis::page::design::of_filler;
+pub use crate::analysis::page::design::of_sensitivity;
 pub use crate::analysis::page::log::of_log;
 pub use crate::analysis::page::model::of_model;
-pub use crate::analysis::page::sensitivity::of_sensitivity;
 pub use crate::analysis::page::study::Results;
+pub use crate::analysis::page::study::{of_dynamic, of_navigators, of_temperature};
 
 use crate::analysis::log::{Column, events};
 use crate::view::picture::Drawn;

@@ -1,11 +1,11 @@
 //! The page of a model for a filter.
 
 use crate::analysis::log::events;
-use crate::analysis::model::answer::notes;
-use crate::analysis::model::states::discrete;
+use crate::analysis::model::report::notes;
+use crate::analysis::model::state_space::discrete;
 use crate::analysis::model::target::Point;
 use crate::analysis::model::writers::{Writer, texts};
-use crate::analysis::model::{Aim, Analysis, Column, figures, tables};
+use crate::analysis::model::{Aim, Analysis, Column, report, tables};
 use crate::analysis::page::{chart, shown};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::titled;
@@ -15,7 +15,7 @@ use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of the models of a log or a noise.toml, with the files that were written for tools.
 pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
-    let charts = figures::figures(analysis).into_iter();
+    let charts = report::figures(analysis).into_iter();
     let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
     let columns = || analysis.columns.iter();
     let curves = charts.chain(columns().map(|column| curve(analysis, column)));

@@ -2,13 +2,11 @@
 
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
-use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
-use crate::analysis::page::{in_unit, interval};
-use crate::analysis::spectrum::notes::{method, symbol};
-use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
-use sagnac_base::quantity::number::probability;
-use sagnac_base::quantity::number::significant;
+use crate::analysis::page::{chart, in_unit, interval};
+use crate::analysis::spectrum::report::{method, symbol};
+use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, report};
+use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
 use sagnac_records::spectrum::{FALSE_ALARM, Line, Point};
@@ -24,7 +22,7 @@ const MAX_LINES: usize = 20;
 pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Section {
     let why = without
         .map(|why| Block::Text(format!("There is no spectrum. {}", why.to_string().replace('\n', "; "))));
-    let charts = figures::figures(analysis).into_iter().map(|(stem, mut figure)| {
+    let charts = report::figures(analysis).into_iter().map(|(stem, mut figure)| {
         // Under several columns, each frequency of all of them hides the others.
         if figure.series.len() > 1 {
             figure.laws.clear();

@@ -1,10 +1,9 @@
 //! The answer of records: what they show of their noise, and whether that meets limits.
 
 use crate::analysis::data_sheet::Row;
-use crate::analysis::requirement::change::{to_decide, to_meet};
-use crate::analysis::requirement::judged::{Judged, Judgement, Shown, Standing, columns};
+use crate::analysis::requirement::check::{Judged, Judgement, Shown, Standing, columns, to_decide, to_meet};
 use crate::analysis::requirement::limit::{Limit, Limited};
-use crate::analysis::requirement::subject::Subject;
+use crate::analysis::requirement::log_under_test::Subject;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::Table;
 use sagnac_base::table::column::columns_of;

@@ -11,16 +11,15 @@
 //! nothing.
 
 mod answer;
-mod change;
-mod judged;
+mod check;
 mod limit;
-mod subject;
+mod log_under_test;
 
 pub use crate::analysis::requirement::answer::{Decision, decide};
-pub use crate::analysis::requirement::judged::{Judgement, Standing};
+pub use crate::analysis::requirement::check::{Judgement, Standing};
 pub use crate::analysis::requirement::limit::{Limit, LimitError, Limited, applies, check};
-pub use crate::analysis::requirement::subject::Subject;
+pub use crate::analysis::requirement::log_under_test::Subject;
 
 pub(crate) use crate::analysis::requirement::answer::{status, value_or_bound};
-pub(crate) use crate::analysis::requirement::judged::columns;
+pub(crate) use crate::analysis::requirement::check::columns;
 pub(crate) use crate::analysis::requirement::limit::{is_fitted, named, twice};

@@ -1,12 +1,20 @@
-//! The output of an analysis: all inputs as a table and as a tornado chart, and the distribution of the answer.
+//! The report of a sensitivity: answer, tables and charts.
 
 use crate::analysis::design::Found;
-use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
+use crate::analysis::sensitivity::evaluate::Evaluator;
+use crate::analysis::sensitivity::sobol::{Index, Indices};
+use crate::analysis::sensitivity::{LEVELS, Sensitivity, SensitivityError};
+use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};
 use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sensitivity::Uncertain;
+use sagnac_engine::key::setting::Swept;
 use sagnac_engine::study::Study;
-use sagnac_report::answer::Reading;
+use sagnac_report::answer::reading::{begun, number, percent_of, range};
+use sagnac_report::answer::{
+    Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status, reading,
+};
 use sagnac_report::chart::figure::{
     Axis, Entry, Figure as Drawing, Grouping, Law, LawLine, Mark, Part, Parts, Series, SeriesPoint, Shape,
 };
@@ -186,4 +194,213 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
 /// The ends of the interval of a value.
 fn ends(found: Found) -> [Option<f64>; 2] {
     found.interval.map_or([None; 2], |(low, high)| [Some(low), Some(high)])
+}
+
+/// A part of the variance in percent, which sampling may have left outside 0 to 100.
+fn share(found: Found) -> Reading {
+    let percent = |part: f64| libm::round(100.0 * part.clamp(0.0, 1.0));
+    let ends = found.interval.map(|(low, high)| [percent(low), percent(high)]);
+    Reading::in_unit("share", percent(found.value), "%", ends)
+}
+
+/// The ends of the interval of a share, in whole percent.
+fn ends_of(share: &Reading) -> Option<String> {
+    let [low, high] = share.interval?.map(number);
+    (low != high).then(|| range(&low, &high))
+}
+
+impl Sensitivity {
+    /// The answer. 95 % of answers count for the limit.
+    pub fn answer(&self) -> Answer {
+        let decisive = self.decisive();
+        let value = share(decisive.index.total);
+        let ends = ends_of(&value).map(|ends| format!(" ({ends} %)")).unwrap_or_default();
+        let [_, _, most] = self.quantiles.map(f64::abs);
+        Answer {
+            kind: Kind::Estimate,
+            status: match &self.within {
+                None => Status::NoLimit,
+                Some((limit, _)) if most <= limit.value => Status::Met,
+                Some(_) => Status::NotMet,
+            },
+            headline: begun(&format!("{} drives {} of the variance{ends}", decisive.label, value.text())),
+            value: Some(value),
+            limit: self.within.as_ref().map(|(limit, _)| self.reading(limit.value, None)),
+            table: self.table(),
+            facts: self.facts(),
+            checks: vec![],
+        }
+    }
+
+    /// A value of the answer of the study.
+    fn reading(&self, value: f64, ends: Option<(f64, f64)>) -> Reading {
+        Reading::new(&self.answer, value, ends)
+    }
+
+    /// A row for each input, by falling total index.
+    fn table(&self) -> AnswerTable {
+        let row = |input: &&Input| -> Vec<AnswerCell> {
+            let [from, to] = input.range.map(number);
+            let index = |found: Found| {
+                let reading = share(found);
+                let ends = ends_of(&reading).map(|ends| format!(" ({ends})")).unwrap_or_default();
+                AnswerCell::with_text(reading.text() + &ends, reading)
+            };
+            let [least, greatest] = input.swing.map(|value| self.reading(value, None));
+            let swing = match least.unit == greatest.unit {
+                true => reading::joined(&range(&number(least.value), &number(greatest.value)), &least.unit),
+                false => format!("{} to {}", least.text(), greatest.text()),
+            };
+            vec![
+                input.label.to_owned().into(),
+                index(input.index.total),
+                index(input.index.first),
+                reading::joined(&range(&from, &to), input.unit.symbol).into(),
+                swing.into(),
+            ]
+        };
+        let inputs = self.by_total();
+        let heads = ["input", "total S_T", "first-order S₁", "5 % to 95 %", &self.answer.label];
+        AnswerTable { best: Some(0), ..AnswerTable::new(heads, inputs.iter().map(row)) }
+    }
+
+    fn facts(&self) -> Vec<Fact> {
+        let value = |name: &str, value: Reading, at: &str| Fact::Value {
+            name: name.to_owned(),
+            value,
+            at: at.to_owned(),
+        };
+        let [least, median, most] = self.quantiles;
+        let mut facts = vec![
+            value("Nominal", self.reading(self.nominal, None), ""),
+            value("Median", self.reading(median, Some((least, most))), "5 % to 95 % of answers"),
+        ];
+        if let Some((_, part)) = &self.within {
+            let part = Reading { interval: None, ..share(*part) };
+            facts.push(value("Within the limit", part, "of answers"));
+        }
+        let unexplained = 1.0 - self.inputs.iter().map(|input| input.index.first.value).sum::<f64>();
+        if percent_of(unexplained.max(0.0)) != percent_of(0.0) {
+            let interval = None;
+            facts.push(value(
+                "Interactions",
+                share(Found { value: unexplained, interval }),
+                "of the variance",
+            ));
+        }
+        facts.extend(self.most_effective());
+        if !self.rows.is_empty() {
+            let rows: Vec<String> =
+                self.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect();
+            facts.push(Fact::Caveat { text: format!("only rows with {}", rows.join(", ")) });
+        }
+        facts
+    }
+
+    /// The input whose value between its 5 % and its 95 % quantile lowers the answer most.
+    fn most_effective(&self) -> Option<Fact> {
+        let ends = |input: &Input| [0, 1].map(|end| (input.range[end], input.ends[end].abs()));
+        let lowest =
+            |input: &Input| ends(input).into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+        let input = self.inputs.iter().min_by(|a, b| lowest(a).1.total_cmp(&lowest(b).1))?;
+        let (at, left) = lowest(input);
+        let gain = 1.0 - left / self.nominal.abs();
+        let shown = |value: f64| with_unit(value, 4, input.unit.symbol);
+        let (key, label) = (input.key.to_owned(), input.label.to_owned());
+        let change = Alternative { key, label, from: shown(input.nominal), to: shown(at) };
+        (gain > 0.0).then_some(Fact::MostEffectiveChange { change, gain, interval: None })
+    }
+}
+
+/// The effect of one input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// Name of the key.
+    pub key: &'static str,
+    /// Its label.
+    pub label: &'static str,
+    /// Unit of its values.
+    pub unit: Unit,
+    /// Sobol' indices.
+    pub index: Index,
+    /// Its nominal value.
+    pub nominal: f64,
+    /// The 5 % and 95 % quantiles of the input.
+    pub range: [f64; 2],
+    /// The answer at these two, with the other inputs at their nominal values.
+    pub ends: [f64; 2],
+    /// The least and the largest answer between these two.
+    pub swing: [f64; 2],
+}
+
+/// Steps from the 5 % to the 95 % quantile of an input.
+const STEPS: usize = 18;
+
+/// Number of points at which all swings together are evaluated.
+pub(crate) fn count(inputs: usize) -> u64 {
+    (1 + inputs * (STEPS + 1)) as u64
+}
+
+/// The answer as each input goes over its range.
+pub(crate) struct Swings {
+    /// With all inputs at their nominal values.
+    pub(crate) nominal: f64,
+    /// Answers at equal steps of the level, for each input.
+    inputs: Vec<Vec<f64>>,
+}
+
+/// The levels of an input at which the answer is evaluated.
+fn levels() -> impl Iterator<Item = f64> {
+    (0..=STEPS).map(|step| LEVELS[0] + (LEVELS[2] - LEVELS[0]) * step as f64 / STEPS as f64)
+}
+
+/// Evaluates the answer along each input.
+///
+/// # Errors
+/// The errors of the evaluation.
+pub(crate) fn swings(
+    evaluator: &mut Evaluator,
+    nominal: &[Swept],
+    uncertain: &[Uncertain],
+) -> Result<Swings, SensitivityError> {
+    let along = |(place, input): (usize, &Uncertain)| {
+        let at = |level: f64| {
+            let mut point = nominal.to_vec();
+            point[place] = input.at(level);
+            point
+        };
+        levels().map(at).collect::<Vec<Vec<Swept>>>()
+    };
+    let moved = uncertain.iter().enumerate().flat_map(along);
+    let points: Vec<Vec<Swept>> = std::iter::once(nominal.to_vec()).chain(moved).collect();
+    let answers = evaluator.at(&points)?;
+    let inputs = answers[1..].chunks_exact(STEPS + 1).map(<[f64]>::to_vec).collect();
+    Ok(Swings { nominal: answers[0], inputs })
+}
+
+/// Each input with its indices and its swing.
+pub(crate) fn joined(
+    uncertain: &[Uncertain],
+    nominal: &[Swept],
+    found: &Indices,
+    swings: Swings,
+) -> Vec<Input> {
+    let all = uncertain.iter().zip(nominal).zip(&found.inputs).zip(swings.inputs);
+    let input = |(((input, nominal), index), along): (((&Uncertain, &Swept), &Index), Vec<f64>)| {
+        let shown = |level: f64| input.at(level).cell().number().unwrap_or(f64::NAN);
+        let (least, most) = along
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), y| (least.min(*y), most.max(*y)));
+        Input {
+            key: input.key.name,
+            label: input.key.label,
+            unit: input.at(0.5).unit(),
+            index: *index,
+            nominal: nominal.cell().number().unwrap_or(f64::NAN),
+            range: [shown(LEVELS[0]), shown(LEVELS[2])],
+            ends: [along[0], along[STEPS]],
+            swing: [least, most],
+        }
+    };
+    all.map(input).collect()
 }

@@ -6,10 +6,7 @@
 //!                                            └─ decision ─▶ Decision, also of `sagnac allan`
 //! ```
 
-mod answer;
-pub mod figures;
-pub mod notes;
-pub mod tables;
+pub mod report;
 
 use rayon::prelude::*;
 

@@ -5,22 +5,16 @@
 //!  └──────────────────────────── compensated ◀──────────────────────────────────────┴─ figures ─▶ charts
 //! ```
 
-pub mod averages;
-pub mod course;
-pub mod effect;
-pub mod figures;
-pub mod model;
-pub mod notes;
+pub mod regressors;
+pub mod report;
 mod search;
-pub mod tables;
+pub mod smoothing;
 
 use std::borrow::Cow;
 
 use crate::analysis::log::{Treatment, model};
-use crate::analysis::temperature::averages::{Averages, MIN_BLOCKS};
-use crate::analysis::temperature::course::Course;
-use crate::analysis::temperature::effect::Effect;
-use crate::analysis::temperature::model::{Effects, Model};
+use crate::analysis::temperature::regressors::{Effect, Effects, Model};
+use crate::analysis::temperature::smoothing::{Averages, Course, MIN_BLOCKS};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
 use sagnac_records::record::log::channel::{Channel, Log};
@@ -64,17 +58,17 @@ pub struct Dependence {
 }
 
 impl Temperature {
-    /// Finds the dependence as [`Temperature::of`] does, and adds its [notes](notes::notes) to the log.
+    /// Finds the dependence as [`Temperature::of`] does, and adds its [notes](report::notes) to the log.
     pub fn noted(log: &mut Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
         let found = Temperature::of(log, treatment, effects);
-        log.notes.extend(found.iter().flat_map(notes::notes));
+        log.notes.extend(found.iter().flat_map(report::notes));
         found
     }
 
     /// The dependence of a log that was read with its temperature; nothing for a log without one.
     pub fn of(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
         let (_, measured) = log.temperature.as_ref()?;
-        let block = log.samples().div_ceil(averages::MAX_BLOCKS);
+        let block = log.samples().div_ceil(smoothing::MAX_BLOCKS);
         let course = Course::of(measured, block);
         let unknown = |x: &[f64]| x.iter().filter(|x| x.is_nan()).count();
         let missing = [unknown(measured), unknown(&course.values)];

@@ -1,8 +1,7 @@
 //! The search among choices of effects.
 
-use crate::analysis::temperature::averages::Averages;
-use crate::analysis::temperature::effect::Effect;
-use crate::analysis::temperature::model::{Finding, Model};
+use crate::analysis::temperature::regressors::{Effect, Finding, Model};
+use crate::analysis::temperature::smoothing::Averages;
 use sagnac_base::quantity::list::listed;
 use sagnac_records::fit::choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL};
 use sagnac_records::fit::regression::{Blocks, Posterior, Regression};

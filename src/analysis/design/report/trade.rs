@@ -1,8 +1,8 @@
 //! What latency and memory cost: each filler at its best interval, and the choices that no other one beats, as tables and a chart.
 
-use crate::analysis::design::constraints::milliseconds;
-use crate::analysis::design::pareto::Choice;
+use crate::analysis::design::candidates::milliseconds;
 use crate::analysis::design::report::{called, ends, four_digits};
+use crate::analysis::design::result::Choice;
 use crate::analysis::design::{Cost, Design, Filler, Found, Measure, PapersRule, Variant};
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_engine::filler::FILLERS;

@@ -1,7 +1,6 @@
 //! The variants of a design in words.
 
-use crate::analysis::decision::Sheet;
-use crate::analysis::decision::words::short;
+use crate::analysis::decision::{Sheet, short};
 use crate::analysis::design::{Design, Filler, Variant};
 use sagnac_engine::key::setting::Swept;
 

@@ -1,7 +1,7 @@
 //! A C header with the whole model.
 
 use crate::analysis::model::search::MAX_STATES;
-use crate::analysis::model::states::si;
+use crate::analysis::model::state_space::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, number};
 use sagnac_records::allan::Unit;
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::analysis::model::document::{ColumnModel, Models};
+use crate::analysis::model::tables::{ColumnModel, Models};
 use crate::analysis::model::writers::{Takes, Writer};
 use sagnac_report::page::document::json;
 

@@ -4,7 +4,7 @@
 //! RandomWalk is K; the default, 'double-sided', divides densities by √2. MathWorks' example of Allan variances sets it for this
 //! reason.
 
-use crate::analysis::model::states::si;
+use crate::analysis::model::state_space::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, plain_number, three};
 use sagnac_records::allan::Unit;
 

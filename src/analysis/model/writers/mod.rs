@@ -14,7 +14,7 @@ mod psins;
 mod pyins;
 mod yaml;
 
-use crate::analysis::log::notes::one_line;
+use crate::analysis::log::report::one_line;
 use crate::analysis::model::search::{Allowed, MAX_STATES, PER_DECADE, Problem, times};
 use crate::analysis::model::{Aim, Analysis, Column, Model};
 use sagnac_base::quantity::number::significant;

@@ -1,6 +1,6 @@
 //! Sensor models of pyins.
 
-use crate::analysis::model::states::si;
+use crate::analysis::model::state_space::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, three};
 use sagnac_records::allan::Unit;
 

@@ -1,0 +1,330 @@
+//! Answers that compare options: their values side by side, and the value of the abscissa at which each is best.
+
+use crate::analysis::answer::{
+    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names, limited,
+    options, place, sampled, spread, table,
+};
+use crate::analysis::role::less_is_better;
+use sagnac_base::table::{Column, Role};
+use sagnac_engine::chart::Limit;
+use sagnac_report::answer::reading::{Reading, span};
+use sagnac_report::answer::{AnswerCell, Kind, MAX_ROWS, MAX_WORDS};
+use sagnac_report::chart::figure::Shape;
+
+pub(super) fn outline_of_values(question: &Question) -> Outline {
+    let is_error = question.limit.is_some() || less_is_better(question.table, question.y, &question.rows);
+    let mut choices = question.choices();
+    let worst = |choice: &Choice| question.largest(&choice.rows.concat());
+    if is_error {
+        let size = |choice: &Choice| worst(choice).map_or(f64::INFINITY, |row| question.size(row));
+        choices.sort_by(|a, b| b.is_usable.cmp(&a.is_usable).then(size(a).total_cmp(&size(b))));
+    }
+    let conditions = question.columns();
+    let judged = usize::from(question.limit.is_some());
+    let places = places(question, &choices, judged);
+    let standing =
+        |choice: &Choice| question.limit.zip(worst(choice)).map(|(limit, row)| state(question, row, limit));
+    let line = |choice: &Choice| {
+        let mut cells: Vec<AnswerCell> = match (conditions.len() > 1, &places[..]) {
+            // Curves under several conditions count at their largest.
+            (true, _) => sampled(conditions.len(), judged)
+                .into_iter()
+                .map(|at| {
+                    question
+                        .largest(&choice.rows[at])
+                        .map_or_else(AnswerCell::default, |row| question.reading(row).into())
+                })
+                .collect(),
+            (false, []) | (false, [_]) => {
+                let reading = worst(choice).map(|row| question.reading(row));
+                let interval = reading.as_ref().and_then(Reading::interval_text).unwrap_or_default();
+                vec![reading.map_or_else(AnswerCell::default, AnswerCell::from), interval.into()]
+            }
+            (false, places) => {
+                let x = question.x;
+                let at = |place: &f64| {
+                    let row =
+                        choice.rows[0].iter().copied().find(|&row| x.is_some_and(|x| x.value(row) == *place));
+                    let known = row.filter(|&row| question.y.cells[row].number().is_some());
+                    known.map_or_else(AnswerCell::default, |row| question.reading(row).into())
+                };
+                places.iter().map(at).collect()
+            }
+        };
+        cells.extend(standing(choice).map(|state| AnswerCell::from(state.to_owned())));
+        Line { name: choice.name.clone(), is_usable: choice.is_usable, cells }
+    };
+    let single = choices.first().filter(|choice| choices.len() == 1 && choice.name.is_empty());
+    let (mut columns, mut lines) =
+        (vec![question.heading()], choices.iter().map(line).collect::<Vec<Line>>());
+    match (conditions.len() > 1, question.x, single) {
+        (true, _, _) => {
+            columns.extend(sampled(conditions.len(), judged).into_iter().map(|at| conditions[at].clone()))
+        }
+        (false, Some(x), Some(choice)) => {
+            columns = vec![x.label.clone(), question.label(), "95 % interval".to_owned()];
+            lines = along(question, x, &choice.rows[0]);
+        }
+        (false, Some(x), None) if places.len() > 1 => {
+            columns = vec![question.heading_by(x)];
+            columns.extend(at_places(x, &places));
+        }
+        _ => columns.extend([question.label(), "95 % interval".to_owned()]),
+    }
+    columns.extend(
+        question.limit.filter(|_| single.is_none() || question.x.is_none()).map(|_| "limit".to_owned()),
+    );
+    let told = told(question, &choices, is_error);
+    let (headline, value, kind) = told.unwrap_or_else(|| (String::new(), None, Kind::Estimate));
+    let mut table = table(columns, lines);
+    table.are_places = conditions.len() > 1 || places.len() > 1 && single.is_none();
+    table.best = table.best.filter(|_| kind != Kind::Estimate && (single.is_none() || question.x.is_none()));
+    // The largest value of a curve, where the answer has it.
+    let is_told = |label: &String| {
+        headline.contains(label.as_str()) || table.rows.iter().flatten().any(|cell| cell.text == *label)
+    };
+    let mark = |rows: &Vec<usize>| {
+        let (x, row) = (question.x?, question.largest(rows)?);
+        let label = question.reading(row).text();
+        Some(Named {
+            rows: rows.clone(),
+            x: x.value(row),
+            y: None,
+            shape: Shape::Extremum,
+            label,
+            range: None,
+        })
+    };
+    let curves = choices.iter().take(MAX_ROWS).flat_map(|choice| &choice.rows).filter(|_| is_error);
+    let marks = curves.filter_map(mark).filter(|mark| is_told(&mark.label)).collect();
+    Outline { kind, headline, value, table, marks, met: None }
+}
+
+/// A row for each of some places along a single curve.
+pub(super) fn along(question: &Question, x: &Column, rows: &[usize]) -> Vec<Line> {
+    let known: Vec<usize> =
+        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+    let rows: Vec<usize> = spread(known.len(), MAX_ROWS).into_iter().map(|at| known[at]).collect();
+    let names = at_places(x, &rows.iter().map(|&row| x.value(row)).collect::<Vec<_>>());
+    let line = |(name, &row): (String, &usize)| {
+        let value = question.reading(row);
+        let interval = value.interval_text().unwrap_or_default();
+        Line { name, is_usable: true, cells: vec![value.into(), interval.into()] }
+    };
+    names.into_iter().zip(&rows).map(line).collect()
+}
+
+/// The headline, its value and its kind: of errors the best option where it is worst, else the largest value.
+fn told(question: &Question, choices: &[Choice], is_error: bool) -> Option<(String, Option<Reading>, Kind)> {
+    let first = choices.first()?;
+    let all = first.rows.concat();
+    let row = match is_error {
+        true => question.largest(&all)?,
+        false => {
+            let every: Vec<usize> = choices.iter().flat_map(|choice| choice.rows.concat()).collect();
+            let is_signed = every.iter().any(|&row| question.y.value(row) < 0.0);
+            let known =
+                |rows: &[usize]| rows.iter().copied().rfind(|&row| question.y.cells[row].number().is_some());
+            if is_signed { question.largest(&every)? } else { known(&all)? }
+        }
+    };
+    let value = match is_error {
+        true => question.reading(row),
+        false => Reading::of_row(question.y, row),
+    };
+    let names = if is_error { first.long.clone() } else { place(&question.options, row) };
+    if let Some(limit) = question.limit {
+        let verb = if question.size(row) <= limit.value { "meets" } else { "misses" };
+        return Some((
+            requirement(question, &names, verb, limit, &value.with_interval()),
+            Some(value),
+            Kind::Requirement,
+        ));
+    }
+    let given: Vec<_> =
+        question.conditions.iter().copied().filter(|_| !question.options.is_empty() || !is_error).collect();
+    let given = given.into_iter().chain(question.x).collect::<Vec<_>>();
+    let at = place(&given, row);
+    let at = if at.is_empty() { String::new() } else { format!(" at {at}") };
+    let result = |at: &str| headline(&names, &format!("{} {}{at}", question.label(), value.with_interval()));
+    let whole = result(&at);
+    let brief = if whole.split_whitespace().count() > MAX_WORDS { result("") } else { whole };
+    let kind = if is_error && choices.len() > 1 { Kind::Choice } else { Kind::Estimate };
+    Some((brief, Some(value), kind))
+}
+
+/// A headline that says whether a limit is met.
+pub(super) fn requirement(question: &Question, name: &str, verb: &str, limit: Limit, value: &str) -> String {
+    let limit = Reading::new(&limited(limit), limit.value, None).text();
+    let told =
+        |subject: &str| format!("{} {verb} the {limit} limit: {value}", begun(subject)).replace(" = ", "=");
+    let label = question.label();
+    let whole = told(if name.is_empty() { &label } else { name });
+    if whole.split_whitespace().count() > MAX_WORDS { told("this study") } else { whole }
+}
+
+/// The state of a limit in a row.
+fn state(question: &Question, row: usize, limit: Limit) -> &'static str {
+    let is_open = question
+        .y
+        .interval_of_magnitude(row)
+        .is_some_and(|(low, high)| low <= limit.value && limit.value < high);
+    match question.size(row) <= limit.value {
+        _ if is_open => "inconclusive",
+        true => "met",
+        false => "not met",
+    }
+}
+
+/// The places of the abscissa that are shown beside `judged` columns on the limit: where no option has a value at a place, there is none.
+fn places(question: &Question, choices: &[Choice], judged: usize) -> Vec<f64> {
+    let Some(x) = question.x else { return vec![] };
+    let has_value =
+        |&row: &usize| question.y.cells[row].number().is_some() && question.y.role != Role::Fraction;
+    let rows = choices.iter().flat_map(|choice| choice.rows.concat()).filter(has_value);
+    let mut places: Vec<f64> = rows.map(|row| x.value(row)).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    sampled(places.len(), judged).into_iter().map(|at| places[at]).collect()
+}
+
+/// The excess over the least value up to which the cost counts as equal.
+const FLAT: f64 = 0.04;
+
+/// A curve at its least value.
+struct Least {
+    name: String,
+    long: String,
+    is_usable: bool,
+    /// The rows of the curve.
+    rows: Vec<usize>,
+    row: usize,
+    /// The values of x around it at which the cost is at most [`FLAT`] larger.
+    flat: [f64; 2],
+    /// The values of x around it whose 95 % intervals overlap with its own.
+    alike: [f64; 2],
+    is_end: bool,
+}
+
+pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
+    let conditions = question.columns();
+    let mut found: Vec<Least> = Vec::new();
+    for choice in question.choices() {
+        for (rows, condition) in choice.rows.iter().zip(&conditions) {
+            let named = |name: &str| joined_names(name, condition);
+            found.extend(least(question, x, rows).map(|(row, flat, alike, is_end)| Least {
+                name: named(&choice.name),
+                long: named(&choice.long),
+                is_usable: choice.is_usable,
+                rows: rows.clone(),
+                row,
+                flat,
+                alike,
+                is_end,
+            }));
+        }
+    }
+    if !question.options.is_empty() {
+        found.sort_by(|a, b| {
+            b.is_usable.cmp(&a.is_usable).then(question.size(a.row).total_cmp(&question.size(b.row)))
+        });
+    }
+    // A single curve is shown along its places.
+    let is_single = found.len() == 1 && found[0].name.is_empty();
+    let has_bands = found.iter().all(|least| question.y.interval(least.row).is_some());
+    let line = |least: &Least| {
+        let best = Reading::new(x, x.value(least.row), None);
+        let end = if least.is_end { " (end)" } else { "" };
+        let mut cells = vec![
+            AnswerCell::with_text(best.text() + end, best),
+            AnswerCell::from(range(x, least.flat)),
+            question.reading(least.row).into(),
+        ];
+        if has_bands {
+            cells.insert(2, range(x, least.alike).into());
+            cells.push(question.reading(least.row).interval_text().unwrap_or_default().into());
+        }
+        Line { name: least.name.clone(), is_usable: least.is_usable, cells }
+    };
+    let mut lines: Vec<Line> = found.iter().map(line).collect();
+    let mut columns =
+        vec![heading(question), format!("best {}", x.label), "within 4 %".to_owned(), question.label()];
+    if has_bands {
+        columns.insert(3, "not distinguishable".to_owned());
+        columns.push("95 % interval".to_owned());
+    }
+    // Where all curves are given, the one that costs most.
+    let told = match question.options.is_empty() {
+        true => found.iter().max_by(|a, b| question.size(a.row).total_cmp(&question.size(b.row))),
+        false => found.first(),
+    };
+    let (headline, value) = match told {
+        Some(least) => {
+            let with = if least.long.is_empty() { String::new() } else { format!(" ({})", least.long) };
+            let end = match (least.is_end, least.flat[0] == least.flat[1]) {
+                (true, _) => ", end of the range".to_owned(),
+                (false, true) => String::new(),
+                (false, false) => format!("; flat {}", span(x, least.flat[0], least.flat[1])),
+            };
+            let best = at(x, x.value(least.row));
+            (
+                headline("", &format!("best {}: {best}{with}{end}", x.label)),
+                Some(Reading::new(x, x.value(least.row), Some((least.flat[0], least.flat[1])))),
+            )
+        }
+        None => (String::new(), None),
+    };
+    if let (true, [choice]) = (is_single, &question.choices()[..]) {
+        lines = options::along(question, x, &choice.rows[0]);
+        columns = vec![x.label.clone(), question.label(), "95 % interval".to_owned()];
+    }
+    // The range is that of the headline alone, as several would cover each other.
+    let mark = |least: &Least| Named {
+        rows: least.rows.clone(),
+        x: x.value(least.row),
+        y: None,
+        shape: Shape::Extremum,
+        label: Reading::new(x, x.value(least.row), None).text(),
+        range: Some(least.flat)
+            .filter(|[from, to]| from < to && told.is_some_and(|told| told.row == least.row)),
+    };
+    let marks = found.iter().take(MAX_ROWS).map(mark).collect();
+    let mut table = table(columns, lines);
+    if is_single {
+        let name = at_place(x, x.value(found[0].row));
+        table.best = table.rows.iter().position(|row| row[0].text == name);
+    }
+    if question.options.is_empty() && table.best.is_some() {
+        let name = told.map(|least| least.name.clone()).unwrap_or_default();
+        table.best = table.rows.iter().position(|row| row[0].text == name);
+    }
+    Outline { kind: Kind::Optimum, headline, value, table, marks, met: None }
+}
+
+fn heading(question: &Question) -> String {
+    let labels = question.options.iter().chain(&question.conditions).map(|column| column.label.as_str());
+    labels.collect::<Vec<_>>().join(", ")
+}
+
+/// The row with the least value of a curve, the ranges around it that cost as much and that do not differ, and whether it is at an
+/// end of a range with several places.
+fn least(question: &Question, x: &Column, rows: &[usize]) -> Option<(usize, [f64; 2], [f64; 2], bool)> {
+    let known: Vec<usize> =
+        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+    let best =
+        (0..known.len()).min_by(|&a, &b| question.size(known[a]).total_cmp(&question.size(known[b])))?;
+    let around = |is_in: &dyn Fn(usize) -> bool| {
+        let first = (0..=best).rev().take_while(|&at| at == best || is_in(known[at])).last().unwrap_or(best);
+        let last =
+            (best..known.len()).take_while(|&at| at == best || is_in(known[at])).last().unwrap_or(best);
+        [first, last].map(|at| x.value(known[at]))
+    };
+    let flat = around(&|row| question.size(row) <= (1.0 + FLAT) * question.size(known[best]));
+    let alike = around(&|row| question.y.is_alike(row, known[best]));
+    let is_end = known.len() > 1 && (best == 0 || best == known.len() - 1);
+    Some((known[best], flat, alike, is_end))
+}
+
+fn range(x: &Column, [from, to]: [f64; 2]) -> String {
+    if from == to { Reading::new(x, from, None).text() } else { span(x, from, to) }
+}

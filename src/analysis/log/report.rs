@@ -1,0 +1,334 @@
+//! Tables and notes of a log.
+
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log;
+use crate::analysis::log::{Analysis, Column, Curve};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
+use sagnac_records::events::Event;
+use sagnac_records::fit::Fit;
+use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::log::outliers::OUTLYING;
+
+/// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
+const MIN_RECORD: usize = 8;
+
+/// A row of `curve.csv`.
+pub(crate) struct CurveRow<'a> {
+    column: &'a log::Column,
+    curve: &'a Curve,
+    point: &'a Point,
+    treatment: &'a str,
+}
+
+/// The columns of `curve.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
+    type Of<'a> = ColumnOf<CurveRow<'a>>;
+    vec![
+        key(|row| text(&row.column.name)),
+        Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
+            .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
+        Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
+            .is(Role::Count, "Averaging time in samples."),
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
+            .is(Role::Coordinate, "Averaging time τ, s."),
+        Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
+            .is(Role::Count, "Number of differences behind the value."),
+        Of::new("alpha", Unit::NONE, "alpha", |row| {
+            row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
+        })
+            .is(Role::Estimate, "α of the noise that the lag-1 autocorrelation shows, from a spectral density of the rate as f^α: 2 \
+                quantization, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
+                walk."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
+        Of::new("value", Unit::NONE, "value", |row| row.point.value.into())
+            .is(Role::Error, "The deviation, in `unit`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.point.interval.map(|ends| ends.1).into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(row.curve.deviation)))
+            .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
+        Of::new("alpha_from", Unit::NONE, "alpha_from", |row| text(alpha_from(row.point)))
+            .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, for example where there are fewer than 30 groups."),
+        Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
+            .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed, temperature compensated."),
+        Of::new("edf", Unit::NONE, "edf", |row| row.point.edf.into())
+            .is(Role::Estimate, "Equivalent degrees of freedom of the interval."),
+        Of::new("edf_from", Unit::NONE, "edf_from", |row| text(row.point.edf.map_or("", |_| row.point.supposes.name())))
+            .is(Role::Note, "The noise that `edf` supposes: `model`, the fitted noise of the record; `differences`, the \
+                autocorrelation of the differences at that τ; `alpha`, the noise of `alpha`."),
+    ]
+}
+
+/// All curves, one row for each deviation and τ: `curve.csv`.
+pub fn table(analysis: &Analysis) -> Table {
+    let treatment = &analysis.treatment.summary();
+    let mut rows = Vec::new();
+    for column in &analysis.columns {
+        for curve in &column.curves {
+            rows.extend(curve.points.iter().map(|point| CurveRow { column, curve, point, treatment }));
+        }
+    }
+    Table { columns: columns_of(&curve_columns(), &rows) }
+}
+
+/// A text, or a blank where it is empty.
+pub(crate) fn text(text: &str) -> Cell {
+    if text.is_empty() { Cell::Blank } else { text.into() }
+}
+
+/// The column that names the column of a log.
+pub(crate) fn key<R>(name: fn(&R) -> Cell) -> ColumnOf<R> {
+    ColumnOf::new("column", Unit::NONE, "column", name)
+        .is(Role::Key, "Column of the log to which the row belongs.")
+}
+
+/// A row of `coefficients.csv`.
+pub(crate) struct Line<'a> {
+    column: &'a str,
+    row: Row,
+    intervals: String,
+    range: Option<[f64; 2]>,
+}
+
+/// The coefficients of a column and the minimum of its curve.
+fn lines(column: &log::Column) -> Vec<Line<'_>> {
+    let name = column.noise().map_or_else(String::new, |noise| noise.intervals.name());
+    let range = column.noise().map(|noise| noise.fit.tau_range);
+    let found = column.coefficients().iter().cloned().map(|row| (row, name.clone(), range));
+    let stability = stability(column).into_iter().map(|row| (row, "of the curve".to_owned(), None));
+    let line = |(row, intervals, range)| Line { column: &column.name, row, intervals, range };
+    found.chain(stability).map(line).collect()
+}
+
+/// The columns of `coefficients.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
+    type Of<'a> = ColumnOf<Line<'a>>;
+    vec![
+        key(|line| text(line.column)),
+        Of::new("coefficient", Unit::NONE, "coefficient", |line| text(line.row.name))
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and \
+                `in_run_bias_stability`, the minimum of the curve, with its `in_run_bias_stability_tau`."),
+        Of::new("value", Unit::NONE, "value", |line| line.row.value.into())
+            .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),
+        Of::new("lower", Unit::NONE, "lower", |line| line.row.interval.map(|ends| ends[0]).into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval."),
+        Of::new("upper", Unit::NONE, "upper", |line| line.row.interval.map(|ends| ends[1]).into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval; if `value` is blank, an upper bound on the coefficient."),
+        Of::new("unit", Unit::NONE, "unit", |line| text(line.row.unit))
+            .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
+        Of::new("status", Unit::NONE, "status", |line| text(line.row.verdict))
+            .is(Role::Note, "Whether the record identifies the coefficient, in words."),
+        Of::new("intervals", Unit::NONE, "intervals", |line| text(&line.intervals))
+            .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; for the minimum, those of the curve."),
+        Of::new("fit_from", Unit::S, "fit_from", |line| line.range.map(|range| range[0]).into())
+            .is(Role::Coordinate, "Shortest τ of the fit, s: the shortest from which its terms describe the curve."),
+        Of::new("fit_to", Unit::S, "fit_to", |line| line.range.map(|range| range[1]).into())
+            .is(Role::Coordinate, "Longest τ of the fit, s."),
+        Of::new("fitted", Unit::NONE, "fitted", |line| line.row.fitted.into())
+            .is(Role::Estimate, "What the coefficient is in the fit, in `unit`, also where it is not identified; blank where the fit does without it."),
+    ]
+}
+
+/// The coefficients of all columns, each with the minimum of its curve: `coefficients.csv`.
+pub fn coefficients(analysis: &Analysis) -> Table {
+    let lines: Vec<Line> = analysis.columns.iter().flat_map(lines).collect();
+    Table { columns: columns_of(&coefficient_columns(), &lines) }
+}
+
+/// The minimum of the first curve that has one, as a separate row: the in-run bias stability of data sheets, not B.
+fn stability(column: &log::Column) -> Vec<Row> {
+    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
+    let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
+    let row = in_run_bias_stability(column.unit, curve.deviation, &minimum);
+    let tau = Row {
+        name: "in_run_bias_stability_tau",
+        unit: "s",
+        symbol: "s",
+        value: Some(minimum.point.tau_s),
+        fitted: None,
+        interval: None,
+        verdict: row.verdict,
+    };
+    vec![row, tau]
+}
+
+/// The minimum of a curve as a row.
+pub(crate) fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
+    Row {
+        name: "in_run_bias_stability",
+        unit: unit.in_files(deviation),
+        symbol: unit.symbol(deviation),
+        value: minimum.point.value,
+        fitted: None,
+        interval: minimum.point.interval.map(|(lower, upper)| [lower, upper]),
+        verdict: if minimum.at_end { "at the end of the curve" } else { "" },
+    }
+}
+
+/// The minimum of a curve up to an eighth of a record of `samples` samples.
+pub(crate) fn least(points: &[Point], samples: usize) -> Option<Minimum> {
+    minimum(&points[..points.partition_point(|point| MIN_RECORD * point.m <= samples)])
+}
+
+/// The minimum of a curve as a row of its coefficients. Where the curve still falls there, the row has no
+/// value, and its interval ends in an upper bound.
+pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samples: usize) -> Option<Row> {
+    let minimum = least(points, samples)?;
+    let row = in_run_bias_stability(unit, deviation, &minimum);
+    Some(match minimum.at_end {
+        true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
+        false => row,
+    })
+}
+
+/// Whether the noise was identified at this τ.
+fn alpha_from(point: &Point) -> &'static str {
+    match point.noise {
+        Some(noise) if noise.carried => "carried",
+        Some(_) => "estimated",
+        None => "",
+    }
+}
+
+/// All notes on a log and its results.
+pub fn notes(analysis: &Analysis) -> Vec<String> {
+    analysis.reading.iter().cloned().chain(of_columns(analysis)).collect()
+}
+
+/// The notes on the results; equal ones of several columns are one.
+pub(crate) fn of_columns(analysis: &Analysis) -> Vec<String> {
+    let mut found: Vec<(String, Vec<&str>)> = Vec::new();
+    for column in &analysis.columns {
+        for note in of_column(column, analysis).into_iter().flatten() {
+            match found.iter_mut().find(|(other, _)| *other == note) {
+                Some((_, names)) => names.push(&column.name),
+                None => found.push((note, vec![&column.name])),
+            }
+        }
+    }
+    found.into_iter().map(|(note, names)| format!("{}: {note}", names.join(", "))).collect()
+}
+
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
+    let noise = column.noise();
+    let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
+        format!(
+            "the terms of the fit describe the curve over no range of τ, χ² = {} of {} degrees of freedom: fit other terms, \
+             or set the range, as in `fit_from = 1s` and `fit_to = 100s`",
+            significant(noise.fit.chi_squared, 3),
+            noise.fit.degrees_of_freedom
+        )
+    });
+    let limit = noise.and_then(|noise| band_limit(&noise.fit, column, analysis.step_s));
+    let closed = noise.and_then(|noise| noise.intervals.without.as_ref());
+    let has_gaps = column.missing > 0;
+    let said = |when: bool, what: &str| when.then(|| what.to_owned());
+    [
+        column.overruled.as_ref().map(|unit| format!("the header says {unit}, but the given unit was used")),
+        column.noise.as_ref().err().map(|why| format!("no coefficients: {why}")),
+        closed.map(|why| format!("intervals of coefficients are in closed form: {why}")),
+        misfit,
+        limit,
+        said(
+            noise.is_some_and(|noise| noise.is_hump),
+            "what falls as 1/τ at short τ is no quantization noise, which would show at the highest frequencies too: see the spectrum for a \
+             line or a hump",
+        ),
+        has_gaps.then(|| missing(column.missing, analysis.samples)),
+        outliers(column, analysis),
+        spread(column),
+    ]
+}
+
+/// Where a fit starts that leaves out the shortest τ, and what it says of the filter of the sensor if it shows one.
+fn band_limit(fit: &Fit, column: &Column, step_s: f64) -> Option<String> {
+    let is_cut = fit.is_described() && fit.tau_range[0] > 1.01 * step_s;
+    let from = significant(fit.tau_range[0], 4);
+    let Some(time_s) = fit.filter_s() else {
+        return is_cut.then(|| {
+            format!("the coefficients are those of τ from {from} s on, where the terms describe the curve")
+        });
+    };
+    let time = significant(time_s, 3);
+    let corner = significant(1.0 / (2.0 * core::f64::consts::PI * time_s), 3);
+    Some(format!(
+        "the sensor filters its {} like a first-order low-pass of {time} s ({corner} Hz) would: the coefficients are those of τ from \
+         {from} s on",
+        column.unit.measured()
+    ))
+}
+
+/// The deviations of estimates beyond those of Gaussian noise.
+fn spread(column: &Column) -> Option<String> {
+    // A relative error of a variance is twice that of the deviation.
+    let error = 0.5 * column.spread.most();
+    (error > 0.0).then(|| {
+        format!(
+            "parts of the record differ by more than those of steady Gaussian noise, as with long tails, bursts, a changing size or a \
+             resonance. This adds a standard error of {} % to deviations and coefficients, which is part of all intervals but those of \
+             Stable32",
+            significant(100.0 * error, 2)
+        )
+    })
+}
+
+fn missing(missing: usize, samples: usize) -> String {
+    let percent = significant(100.0 * missing as f64 / samples.max(1) as f64, 2);
+    format!(
+        "{missing} of {samples} samples are missing ({percent} %); intervals are as much wider as that costs"
+    )
+}
+
+fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
+    const MAX_LISTED: usize = 5;
+    let found = &column.outliers.samples;
+    let times: Vec<String> =
+        analysis.times(found).take(MAX_LISTED).map(|time_s| significant(time_s, 9)).collect();
+    let more = if found.len() > MAX_LISTED { ", …" } else { "" };
+    let are_in_events = found.iter().all(|&sample| Event::is_in(&column.events, sample));
+    let fate = match column.has_long_tails(analysis.samples) {
+        _ if analysis.treatment.outliers_removed => "treated as gaps",
+        _ if are_in_events && analysis.treatment.events_removed => "left out with their events",
+        is_long if column.noise().is_some() && (are_in_events || !is_long) => {
+            "kept in the curve, and left out of the fit"
+        }
+        false => "kept, unless outliers are removed",
+        true => "kept; so many are long tails of the noise",
+    };
+    let named = if found.len() == 1 { "outlier" } else { "outliers" };
+    let of = if analysis.data == Data::Angle { "increments " } else { "" };
+    (!found.is_empty()).then(|| {
+        format!(
+            "{} {named}, {of}more than {OUTLYING} standard deviations ({} in the file's unit) from the median of their \
+             neighbours, at {}{more} s: {fate}",
+            found.len(),
+            significant(column.outliers.threshold, 3),
+            times.join(", "),
+        )
+    })
+}
+
+/// The file, its rate and the part that was used.
+pub fn heading(analysis: &Analysis) -> String {
+    let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
+    let (samples, length) = (analysis.samples, duration(analysis.length_s()));
+    format!("{file}: {samples} samples at {} Hz, {length}", significant(1.0 / analysis.step_s, 7))
+}
+
+/// Text for a comment in a file, which must be a single line without control characters.
+pub fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        ..120.0 => format!("{} s", significant(seconds, 4)),
+        ..7200.0 => format!("{} min", significant(seconds / 60.0, 4)),
+        _ => format!("{} h", significant(seconds / 3600.0, 4)),
+    }
+}
