@@ -172,7 +172,7 @@ pub struct Models {
 pub struct ColumnModel {
     /// Name of the column.
     pub column: String,
-    /// allan::Unit of its deviations in tables.
+    /// Unit of its deviations in tables.
     pub unit: &'static str,
     /// Shortest averaging time that the model covers, s.
     pub from_s: f64,

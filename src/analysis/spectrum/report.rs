@@ -377,7 +377,7 @@ pub fn method(spectrum: &Spectrum) -> String {
     )
 }
 
-/// allan::Unit of densities for the user; plain numbers have none that is known.
+/// Unit of densities for the user; plain numbers have none that is known.
 pub fn symbol(unit: allan::Unit) -> &'static str {
     match unit {
         allan::Unit::Angular => "(°/h)²/Hz",
