@@ -11,13 +11,12 @@ use sagnac::view::picture::{incomplete, pictures, shown};
 use serde::Serialize;
 use toml::{Table, Value};
 
+use crate::arg_parsers::on;
 use crate::failure::Failure;
-use crate::limits::on;
 use crate::outcome::write_pictures;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
-use crate::results::summary::summary;
-use crate::results::{held, is_chart_stem, lacking};
+use crate::results::{held, is_chart_stem, lacking, summary};
 use crate::run::checked;
 use crate::{folders, look};
 

@@ -13,15 +13,15 @@ use sagnac::report::chart::picture::Picture;
 use sagnac::report::page::document::Provenance;
 use sagnac::store::folder::Folder;
 
+use crate::arg_parsers::one_of;
 use crate::failure::Failure;
-use crate::filler::alone::at_least_0;
+use crate::filler::at_least_0;
 use crate::outcome::Outcome;
 use crate::output::print_json;
 use crate::program::DeviceArg;
 use crate::progress::Shown;
 use crate::sampling::Sampling;
-use crate::words::one_of;
-use crate::{kind, whole};
+use crate::{arg_parsers, reading};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -78,7 +78,7 @@ impl Options {
 
 /// A number of bytes.
 fn memory(text: &str) -> Result<u64, String> {
-    whole::whole(text, 0..=1 << 32)
+    arg_parsers::whole(text, 0..=1 << 32)
 }
 
 /// The measures, as options list them.
@@ -98,7 +98,7 @@ fn folder(measure: Measure) -> String {
 
 /// Finds and prints the best interval and filler.
 pub fn design(options: &Options) -> Result<(), Failure> {
-    let mut study = kind::study(&options.study)?;
+    let mut study = reading::study(&options.study)?;
     options.sampling.apply(&mut study);
     let request = options.request()?;
     let mut device = options.device.select(!options.sampling.printed.quiet)?;

@@ -22,7 +22,7 @@ use sagnac::tally::share::Share;
 
 use crate::look;
 use crate::output::say;
-use crate::run::stop::Cause;
+use crate::run::control::Cause;
 use sagnac::quantity::number::short;
 
 /// Exit codes with their meanings.

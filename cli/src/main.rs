@@ -16,25 +16,22 @@ macro_rules! note {
 }
 
 mod allan;
-mod bench;
+mod arg_parsers;
 mod chart;
 mod check;
 mod compare;
 mod design;
-mod devices;
+mod device;
 mod explain;
 mod failure;
 mod filler;
 mod folders;
-mod kind;
-mod limits;
+mod generate;
 mod look;
 mod merge;
 mod model;
-mod new;
 mod outcome;
 mod output;
-mod planning;
 mod program;
 mod progress;
 mod reading;
@@ -43,12 +40,7 @@ mod report;
 mod results;
 mod run;
 mod sampling;
-mod schemas;
 mod sensitivity;
-mod shells;
-mod verify;
-mod whole;
-mod words;
 
 use std::path::Path;
 

@@ -77,33 +77,33 @@ commands! {
     /// Check that results are intact, complete and match their tables
     Check(crate::check::Options) = crate::check::check;
     /// Write a commented study as a starting point
-    New(crate::new::Options) = crate::new::new;
+    New(crate::generate::New) = crate::generate::new;
     /// Explain a key of studies, a column, a term or an exit code
     Explain(crate::explain::Options) = crate::explain::explain;
     /// Print the JSON schema of studies, or of what --json prints
-    Schema(crate::schemas::Options) = crate::schemas::schema;
+    Schema(crate::generate::Schema) = crate::generate::schema;
     /// List, verify or measure the devices that kernels run on
-    Device(crate::devices::Command) = crate::devices::device;
+    Device(crate::device::Command) = crate::device::device;
     #[command(hide = true)]
     Chart(crate::chart::Options) = |options| { renamed("chart", "report DIR --chart 1"); crate::chart::chart(options) };
     #[command(hide = true)]
     Psd(crate::allan::Options) = |options| { renamed("psd", "allan"); crate::allan::allan(options) };
     #[command(hide = true)]
-    Lot(crate::compare::Options) = |options| { renamed("lot", "compare"); crate::compare::batch::batch(options, "lot") };
+    Lot(crate::compare::Options) = |options| { renamed("lot", "compare"); crate::compare::batch(options, "lot") };
     #[command(hide = true)]
-    Devices(crate::devices::Options) = |options| { renamed("devices", "device list"); crate::devices::devices(options) };
+    Devices(crate::device::Options) = |options| { renamed("devices", "device list"); crate::device::devices(options) };
     #[command(hide = true)]
-    Verify(Verify) = |options| { renamed("verify", "device verify"); crate::verify::verify(options) };
+    Verify(Verify) = |options| { renamed("verify", "device verify"); crate::device::verify(options) };
     #[command(hide = true)]
-    Bench(Bench) = |options| { renamed("bench", "device bench"); crate::bench::bench(options) };
+    Bench(Bench) = |options| { renamed("bench", "device bench"); crate::device::bench(options) };
     #[command(hide = true)]
     Shaders(Former) = |_| Err(Failure::Usage("`sagnac shaders` is now `cargo run --example shaders -- DIR`".to_owned()));
     /// Print a script for the completion of commands and options in a shell
     #[command(hide = true)]
-    Completions(crate::shells::Completions) = crate::shells::completions;
+    Completions(crate::generate::Completions) = crate::generate::completions;
     /// Write manual pages
     #[command(hide = true)]
-    Man(crate::shells::Man) = crate::shells::man;
+    Man(crate::generate::Man) = crate::generate::man;
 }
 
 /// The arguments of a former command.
@@ -259,7 +259,7 @@ impl DeviceArg {
 
 /// A number of units of work.
 fn verified(text: &str) -> Result<u64, String> {
-    crate::whole::whole(text, 1..=1 << 32)
+    crate::arg_parsers::whole(text, 1..=1 << 32)
 }
 
 /// A number of threads.

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use crate::arg_parsers::{list_of, one_of};
+use crate::failure::{Failure, in_options};
+use crate::reading;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
@@ -18,11 +21,9 @@ use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit, UnitMismatch};
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use sagnac::record::log::temperature::Thermometer;
+use sagnac::source::diagnose::StudyError;
+use sagnac::study::Study;
 use sagnac::theory::allan::terms::Term;
-
-use crate::failure::{Failure, in_options};
-use crate::kind;
-use crate::words::{list_of, one_of};
 
 #[derive(Debug, Args)]
 pub struct Reading {
@@ -256,7 +257,7 @@ impl Reading {
         path: &Path,
         request: &Request,
     ) -> Result<(Log, Option<Temperature>), Failure> {
-        kind::log(path)?;
+        reading::log(path)?;
         let treatment = self.treatment();
         let mut log = treatment.read(path, request)?;
         let temperature = Temperature::noted(&mut log, &treatment, &self.temperature_terms);
@@ -288,4 +289,39 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     } else {
         Err("a time before the start of the file".to_owned())
     }
+}
+
+/// Endings of the names of recorded logs, in lower case.
+const LOGS: [&str; 15] =
+    ["csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw"];
+
+/// The ending of the name of a file, in lower case.
+fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// Reads a study.
+///
+/// # Errors
+/// The file is a recorded log by its name, cannot be read, or is no valid study.
+pub fn study(path: &Path) -> Result<Study, Failure> {
+    if LOGS.contains(&ending(path).as_str()) {
+        let path = path.display();
+        let message = format!("{path} is a log, not a study\nanalyze it with `sagnac allan {path}`");
+        return Err(Failure::Usage(message));
+    }
+    Study::read(path).map_err(|error: StudyError| error.into())
+}
+
+/// Checks that a file is not a study by its name.
+///
+/// # Errors
+/// It is one.
+pub fn log(path: &Path) -> Result<(), Failure> {
+    if ending(path) == "toml" {
+        let path = path.display();
+        let message = format!("{path} is a study, not a log\nrun it with `sagnac run {path}`");
+        return Err(Failure::Usage(message));
+    }
+    Ok(())
 }

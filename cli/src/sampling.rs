@@ -4,9 +4,9 @@ use clap::Args;
 use sagnac::key::common::MAX_TRIALS;
 use sagnac::study::Study;
 
+use crate::arg_parsers::whole;
 use crate::output::Printed;
 use crate::progress::{self, How};
-use crate::whole::whole;
 
 #[derive(Debug, Args)]
 #[group(skip)]

@@ -16,7 +16,7 @@ use crate::output::print_json;
 use crate::program::DeviceArg;
 use crate::progress::Shown;
 use crate::sampling::Sampling;
-use crate::{chart, kind, whole};
+use crate::{arg_parsers, chart, reading};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -52,12 +52,12 @@ pub struct Options {
 
 /// A number of samples.
 fn samples(text: &str) -> Result<u64, String> {
-    whole::whole(text, 1..=1 << 21)
+    arg_parsers::whole(text, 1..=1 << 21)
 }
 
 /// Finds and prints what decides the answer.
 pub fn sensitivity(options: &Options) -> Result<(), Failure> {
-    let mut study = kind::study(&options.study)?;
+    let mut study = reading::study(&options.study)?;
     options.sampling.apply(&mut study);
     let mut device = options.device.select(!options.sampling.printed.quiet)?;
     let shown = Shown::new(options.sampling.how());

@@ -1,7 +1,6 @@
 //! `sagnac run`.
 
-pub mod share;
-pub mod stop;
+pub mod control;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -18,15 +17,15 @@ use sagnac::tally::share::Share;
 use sagnac::view::picture::pictures;
 
 use crate::failure::Failure;
-use crate::kind;
 use crate::output::{print, print_documents};
-use crate::planning::Planning;
 use crate::program::DeviceArg;
+use crate::progress::Planning;
 use crate::progress::{How, Shown};
+use crate::reading;
 use crate::results::{Ran, check_places};
-use crate::run::share::Shard;
-pub use crate::run::stop::Cause;
-use crate::run::stop::Stop;
+pub use crate::run::control::Cause;
+use crate::run::control::Shard;
+use crate::run::control::Stop;
 use crate::sampling::Sampling;
 use sagnac::quantity::number::short;
 
@@ -52,7 +51,7 @@ pub struct Options {
     #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Sample only share I of N, which `sagnac merge` combines with the others; slurm takes I and N from the job array
-    #[arg(help_heading = "Sampling", long, value_name = "I/N", conflicts_with = "json", value_parser = crate::run::share::parse)]
+    #[arg(help_heading = "Sampling", long, value_name = "I/N", conflicts_with = "json", value_parser = crate::run::control::parse)]
     shard: Option<Shard>,
     /// Stop within this time, such as "55 min" or 8:00:00, with exit code 4; run again to continue
     #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
@@ -156,7 +155,7 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
     }
     let mut studies = Vec::new();
     for path in &options.studies {
-        let mut study = kind::study(path)?;
+        let mut study = reading::study(path)?;
         options.sampling.apply(&mut study);
         if options.shard.is_some() && study.precision.is_some() {
             if options.sampling.trials.is_none() {

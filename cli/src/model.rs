@@ -15,12 +15,12 @@ use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::store::folder::Folder;
 
-use crate::allan::options::probability;
+use crate::allan::probability;
+use crate::arg_parsers::one_of;
 use crate::failure::Failure;
 use crate::outcome::Outcome;
 use crate::output::{Output, print_json};
 use crate::reading::{Reading, seconds};
-use crate::words::one_of;
 
 /// Points of the curve of a log per decade of τ.
 const PER_DECADE: u32 = 10;

@@ -1,19 +1,93 @@
-//! `sagnac device bench`.
+//! `sagnac device`: the devices of this machine, their verification and their speed.
 
 use std::time::Instant;
 
+use crate::device;
+use crate::failure::Failure;
+use crate::output::{print, print_json};
+use crate::program::{Bench, Verify};
+use clap::{Args, Subcommand};
 use sagnac::device::cpu::Cpu;
 use sagnac::device::error::GpuError;
+use sagnac::device::gpu::adapter::Adapter;
+use sagnac::device::gpu::unused::unused_card;
 use sagnac::device::load::Work;
-use sagnac::device::select::SelectError;
+use sagnac::device::select::{SelectError, every_adapter, untested};
 use sagnac::device::{Device, Job};
 use sagnac::kernel::width::Width;
 use sagnac::tally::block::cover;
+use sagnac::verify::digest;
 use sagnac::verify::measured::{Measured, measured};
 use serde::Serialize;
 
-use crate::failure::Failure;
-use crate::output::{print, print_json};
+const EXAMPLES: &str = "\
+Examples:
+  sagnac device list";
+
+const TASKS: &str = "\
+Examples:
+  sagnac device list
+  sagnac device device::verify --device cpu
+  sagnac device device::bench --device cpu";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = TASKS)]
+pub struct Command {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// List the devices that kernels can run on
+    List(Options),
+    /// Verify that every kernel gives the same bits on every device of this machine
+    Verify(Verify),
+    /// Measure the throughput of the kernels
+    Bench(Bench),
+}
+
+/// Does what is asked for with the devices.
+pub fn device(command: &Command) -> Result<(), Failure> {
+    match &command.task {
+        Task::List(options) => devices(options),
+        Task::Verify(options) => device::verify(options),
+        Task::Bench(options) => device::bench(options),
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Former option: docs/reference/exit-codes.md has a section on GPUs that are not used
+    #[arg(long, hide = true)]
+    why: bool,
+    /// Former option, which printed that as JSON
+    #[arg(long, hide = true)]
+    json: bool,
+}
+
+/// Lists the devices that can run kernels.
+pub fn devices(options: &Options) -> Result<(), Failure> {
+    if options.why || options.json {
+        say!(
+            "note: `--why` is gone: \"A GPU that is not used\" in docs/reference/exit-codes.md says what may be missing"
+        );
+    }
+    let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
+    print(&format!("cpu: {}", widths.join(", ")))?;
+    let adapters = Adapter::all();
+    for (at, adapter) in adapters.iter().enumerate() {
+        print(&format!("gpu:{at}: {}\n     {}", adapter.name(), adapter.description()))?;
+    }
+    if adapters.is_empty() {
+        say!("no GPU and no software rasterizer was found (Vulkan, Metal, DX12)");
+    }
+    if let Some(unused) = unused_card(&adapters) {
+        say!("{unused}");
+    }
+    Ok(())
+}
 
 /// The rate of a kernel on a device.
 #[derive(Debug, Serialize)]
@@ -118,6 +192,41 @@ impl Figure {
             "{kernel}, {configuration}, {estimates} {million_per_second:9.digits$} million {unit}/s  {device}"
         )
     }
+}
+
+/// Compares every kernel at every width of the CPU and on the device, or on all adapters.
+pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
+    if options.report.is_some() {
+        let gone = "--report is gone\nsend what `sagnac device list` and `sagnac device verify` print";
+        return Err(Failure::Usage(gone.to_owned()));
+    }
+    let mut devices = match &options.device {
+        Some(name) => untested(name)?.device.into_devices(),
+        None => every_adapter()?,
+    };
+    let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));
+    let mut names: Vec<String> = widths.collect();
+    names.extend(devices.iter().filter(|device| matches!(device, Device::Gpu(_))).map(Device::name));
+    say!("comparing: {}", names.join(", "));
+    if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
+        say!("no GPU adapter: only the CPU kernels were verified");
+    }
+    let mut verdicts = Vec::new();
+    let mut printed = Ok(());
+    let identical = sagnac::verify::verify(&mut devices, options.trials, |verdict| {
+        let line = if verdict.differences.is_empty() {
+            format!("identical {} {:016x}", verdict.kernel, verdict.digest)
+        } else {
+            format!("DIFFERENT {} on {}", verdict.kernel, verdict.differences.join(", "))
+        };
+        if printed.is_ok() {
+            printed = print(&line);
+        }
+        verdicts.push(verdict.clone());
+    })?;
+    printed?;
+    print(&format!("digest of all kernels {:016x}", digest(&verdicts)))?;
+    if identical { Ok(()) } else { Err(Failure::Different) }
 }
 
 #[cfg(test)]

@@ -1,22 +1,24 @@
 //! `sagnac compare`.
 
-pub mod batch;
-
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use sagnac::analysis::compare::logs::{Analysis, RatioLimit, check};
-use sagnac::analysis::page::of_comparison;
-use sagnac::analysis::requirement::LimitError;
-use sagnac::key::renamed::note;
-use sagnac::record::log::channel::Log;
-use sagnac::record::log::read::Request;
-use sagnac::store::folder::Folder;
-
+use crate::arg_parsers;
 use crate::failure::{Failure, in_options};
 use crate::outcome::Outcome;
 use crate::output::{Output, print_json};
 use crate::reading::Reading;
+use clap::Args;
+use sagnac::analysis::batch::Batch;
+use sagnac::analysis::compare::logs::{Analysis, RatioLimit, check};
+use sagnac::analysis::log;
+use sagnac::analysis::log::Asked;
+use sagnac::analysis::page::{of_batch, of_comparison};
+use sagnac::analysis::requirement::{Limit, LimitError};
+use sagnac::key::renamed::note;
+use sagnac::progress::Silent;
+use sagnac::record::log::channel::Log;
+use sagnac::record::log::read::Request;
+use sagnac::store::folder::Folder;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -56,7 +58,7 @@ pub struct Options {
 pub fn compare(options: &Options) -> Result<(), Failure> {
     match &options.files[..] {
         [a, b] => pair(options, [a, b]),
-        _ if options.max_ratio.is_empty() => batch::batch(options, "batch"),
+        _ if options.max_ratio.is_empty() => batch(options, "batch"),
         _ => Err(Failure::Usage(
             "--max-ratio is for two logs\nlimit the units of a batch by --limit".to_owned(),
         )),
@@ -124,4 +126,38 @@ fn analysis(
     let (treatment, fitting) = (options.reading.treatment(), options.reading.fitting());
     let logs = [(first.as_path(), a), (second.as_path(), b)];
     Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| Failure::Record(in_options(&error)))
+}
+
+/// Pools the logs of a batch; `name` is that of the results folder.
+pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
+    let limits = arg_parsers::of_units(&options.limit)?;
+    arg_parsers::agree(&limits, &options.reading)?;
+    let batch = analysis_of_batch(options, &limits)?;
+    let decision = batch.decision(&limits);
+    let folder = options.output.folder(name);
+    let logs = match batch.logs.len() {
+        1 => "a log".to_owned(),
+        count => format!("{count} logs"),
+    };
+    let heading = format!("{} units of {logs}", batch.labels.len());
+    let outcome = Outcome::new(heading, of_batch(&batch, &decision));
+    let results = Folder::open(&folder)?.reading(options.files.iter().map(PathBuf::as_path));
+    outcome.save(&results, &["limits.csv", "chart-1", "chart-2"])?;
+    if options.output.json {
+        return print_json(&outcome.document());
+    }
+    outcome.show(&options.output.printed, &folder)
+}
+
+/// Reads and analyses the logs one after the other, because each may fill the memory.
+fn analysis_of_batch(options: &Options, limits: &[Limit]) -> Result<Batch, Failure> {
+    let reading = &options.reading;
+    let (request, treatment) = (reading.request()?, reading.treatment());
+    let asked = Asked { fitting: reading.fitting(), simulated: Some(0), ..Asked::default() };
+    let of = |path: &PathBuf| -> Result<log::Analysis, Failure> {
+        let log = reading.read(path, &request)?;
+        arg_parsers::apply(limits, &log)?;
+        Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)
+    };
+    Ok(Batch::of(options.files.iter().map(of).collect::<Result<_, _>>()?)?)
 }
