@@ -8,8 +8,8 @@ use sagnac::device::load::Work;
 use sagnac::device::select::SelectError;
 use sagnac::device::{Device, Job};
 use sagnac::kernel::width::Width;
-use sagnac::tally::block::cover;
-use sagnac::verify::measured::{Measured, measured};
+use sagnac::tally::cover;
+use sagnac::verify::{Measured, measured};
 use serde::Serialize;
 
 use crate::failure::Failure;

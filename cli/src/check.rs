@@ -13,7 +13,7 @@ use sagnac::store::error::StoreError;
 use sagnac::store::folder::{Difference, Folder};
 use sagnac::store::source::Source;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use crate::failure::{self, Failure};
 use crate::folders;

@@ -18,7 +18,7 @@ use sagnac::source::diagnose::StudyError;
 use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use crate::look;
 use crate::output::say;

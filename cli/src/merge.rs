@@ -10,7 +10,7 @@ use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::store::source::{Merged, Source};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use crate::failure::Failure;
 use crate::folders;

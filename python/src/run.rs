@@ -14,7 +14,7 @@ use sagnac::run::{Done, Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::verify::select;
 use sagnac::view::picture::pictures;
 

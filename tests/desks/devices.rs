@@ -11,7 +11,7 @@ use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
-use sagnac::tally::block::Block;
+use sagnac::tally::Block;
 
 /// Every adapter of this machine. The GPU half of these tests is never skipped.
 pub fn adapters() -> Vec<Adapter> {

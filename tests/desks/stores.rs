@@ -9,7 +9,7 @@ use sagnac::kernel::width::Width;
 use sagnac::run::{Plan, RunError, Tables};
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use tempfile::TempDir;
 
 use crate::studies::{Silent, parsed};

@@ -14,7 +14,7 @@ use sagnac::run::Plan;
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 /// The study of a text; `name` may hold a folder, where records are then looked for.
 pub fn parsed(name: &str, text: &str) -> Study {

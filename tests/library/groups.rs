@@ -5,7 +5,7 @@ use sagnac::device::Device;
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::KERNELS;
 use sagnac::kernel::width::Width;
-use sagnac::tally::block::{Block, cover};
+use sagnac::tally::{Block, cover};
 use sagnac::verify::loads;
 
 fn cpu(width: Width, threads: usize) -> Device {

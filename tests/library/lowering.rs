@@ -19,7 +19,7 @@ use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 use sagnac::theory::minimum_variance::Band;
 
 fn keys(key: [u32; 2]) -> Keys {

@@ -8,7 +8,7 @@ use sagnac::progress::Progress;
 use sagnac::run::Plan;
 use sagnac::store::Store;
 use sagnac::study::precision::Precision;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::verify::select;
 
 /// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.

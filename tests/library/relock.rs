@@ -7,13 +7,11 @@ use sagnac::device::cpu::Cpu;
 use sagnac::kernel::width::Width;
 use sagnac::key::common::Streams;
 use sagnac::key::refusal::Refusal;
-use sagnac::kinds::relock::inputs::FirstHalf;
-use sagnac::kinds::relock::inputs::{Compensation, Relock};
+use sagnac::kinds::relock::inputs::{Compensation, FirstHalf, Relock};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::verify::{named_relocks, relock};
 use sagnac::kinds::relock::{RelockInputs, RelockPoint};
-use sagnac::tally::block::cover;
-use sagnac::tally::stats::Estimates;
+use sagnac::tally::{Estimates, cover};
 
 const TRIALS: u64 = 1 << 20;
 

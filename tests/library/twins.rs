@@ -18,7 +18,7 @@ use sagnac::kernel::{Form, KERNELS};
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::verify::{Configuration, configurations};
 use sagnac::motion::keys::Phase;
-use sagnac::tally::block::{Block, cover};
+use sagnac::tally::{Block, cover};
 
 const TRIALS: u64 = 1 << 20;
 

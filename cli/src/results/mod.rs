@@ -15,7 +15,7 @@ use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::view::picture::chart_stem;
 
 use crate::failure::Failure;

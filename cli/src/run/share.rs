@@ -1,6 +1,6 @@
 //! `--shard`: which share of a study this machine runs.
 
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 /// The value of `--shard`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -38,7 +38,7 @@ use sagnac_engine::key::setting::Swept;
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
+use sagnac_engine::tally::Share;
 use sagnac_kernel::width::Width;
 
 /// Why there is no decision sheet.

@@ -6,7 +6,7 @@ use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
 use crate::analysis::role::is_given;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::table::Table;
-use sagnac_engine::drift::schedule::{End, INTERVAL};
+use sagnac_engine::drift::{End, INTERVAL};
 use sagnac_engine::key::row::Key;
 use sagnac_engine::key::setting::Swept;
 use sagnac_engine::key::sweep::Sweep;
@@ -310,7 +310,7 @@ fn beyond(input: &Input, factor: f64) -> Quantity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sagnac_engine::filler::keys::GAP_TICKS;
+    use sagnac_engine::filler::read::GAP_TICKS;
     use sagnac_engine::kinds::gap_fill::keys::READOUT_LSB;
 
     #[test]

@@ -5,7 +5,7 @@ use sagnac_engine::device::cpu::Cpu;
 use sagnac_engine::run::{Plan, Tables};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
+use sagnac_engine::tally::Share;
 use sagnac_kernel::width::Width;
 use sagnac_report::answer::{Fact, Status};
 

@@ -6,7 +6,7 @@ use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
 use crate::analysis::jackknife::{T_95, of_halves};
 use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_engine::drift::schedule::INTERVAL;
+use sagnac_engine::drift::INTERVAL;
 use sagnac_engine::key::setting::Swept;
 use sagnac_engine::key::sweep::Sweep;
 use sagnac_engine::kinds::switched_run::SwitchedRun;

@@ -76,11 +76,10 @@ use crate::analysis::design::variants::Values;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;
 use sagnac_engine::device::Device;
-use sagnac_engine::drift::schedule::{End, INTERVAL};
-use sagnac_engine::kinds::switched_run::SwitchedRun;
-use sagnac_engine::kinds::switched_run::Timing;
+use sagnac_engine::drift::{End, INTERVAL};
 use sagnac_engine::kinds::switched_run::run::late;
-use sagnac_engine::sampling::worker::Worker;
+use sagnac_engine::kinds::switched_run::{SwitchedRun, Timing};
+use sagnac_engine::sampling::Worker;
 use sagnac_engine::study::Study;
 
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.

@@ -5,8 +5,8 @@ use sagnac_base::progress::Progress;
 use sagnac_engine::device::Job;
 use sagnac_engine::device::error::GpuError;
 use sagnac_engine::kinds::switched_run::lower::FilledRun;
-use sagnac_engine::sampling::worker::Worker;
-use sagnac_engine::tally::block::Block;
+use sagnac_engine::sampling::Worker;
+use sagnac_engine::tally::Block;
 use sagnac_kernel::moments::Moments;
 
 /// The number of trials, at least `asked`, for which all parts have the same power of two.

@@ -2,12 +2,11 @@
 
 use toml::Value;
 
-use crate::analysis::design::DesignError;
 use crate::analysis::design::constraints::{Constraints, Cost};
-use crate::analysis::design::variants;
+use crate::analysis::design::{DesignError, variants};
 use crate::analysis::firmware::search::{Asked, Trade, entry};
 use sagnac_base::quantity::units::{Dimension, parse, round_12};
-use sagnac_engine::filler::keys::Error;
+use sagnac_engine::filler::read::Error;
 use sagnac_engine::filler::{Fill, Filler, Method, Target};
 use sagnac_engine::kinds::gap_fill::inputs::Inputs;
 use sagnac_engine::kinds::gap_fill::judged::SHIFT;

@@ -1,6 +1,6 @@
 //! The variants of a study: the combinations of its swept keys other than the interval, each with its runs.
 
-use sagnac_engine::drift::schedule::INTERVAL;
+use sagnac_engine::drift::INTERVAL;
 use sagnac_engine::key::setting::Swept;
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::analysis::firmware::choice::{ChoiceError, undetermined};
 use crate::analysis::firmware::{Asked, Firmware, Trade};
-pub use sagnac_engine::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
+pub use sagnac_engine::filler::{DESIGNED as KINDS, MINIMUM_VARIANCE};
 use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::reading::capitalized;

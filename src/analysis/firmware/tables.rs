@@ -4,7 +4,7 @@ use crate::analysis::firmware::{Closed, Design, Firmware, Rule};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_engine::filler::FILLERS;
-use sagnac_engine::filler::keys::Error;
+use sagnac_engine::filler::read::Error;
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
 use sagnac_engine::kinds::gap_fill::judged::Size;
 

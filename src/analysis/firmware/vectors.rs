@@ -7,7 +7,7 @@ use rand::rand_core::Rng;
 use crate::analysis::firmware::{Design, Firmware, Rule};
 use sagnac_base::table::{About, Cell, Column, Role, Table};
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::tally::id::Id;
+use sagnac_engine::tally::Id;
 use sagnac_kernel::philox::Philox;
 
 /// Inputs on all ticks that any of the fillers reads.

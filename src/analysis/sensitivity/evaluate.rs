@@ -11,8 +11,7 @@ use sagnac_engine::key::setting::Swept;
 use sagnac_engine::run::Plan;
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
-use sagnac_engine::tally::stats::NORMAL_95;
+use sagnac_engine::tally::{NORMAL_95, Share};
 
 /// Most points that are lowered and sampled together, whose tallies are held in memory.
 const MAX_POINTS: usize = 512;

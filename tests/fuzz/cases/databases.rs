@@ -14,7 +14,7 @@ use sagnac::run::Plan;
 use sagnac::store::source::Source;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use tempfile::TempDir;
 
 use super::Outcome;

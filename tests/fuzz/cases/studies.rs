@@ -14,7 +14,7 @@ use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use super::Outcome;
 

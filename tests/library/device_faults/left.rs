@@ -10,7 +10,7 @@ use sagnac::progress::Progress;
 use sagnac::run::{Done, Plan, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 /// What a run tells as it goes on.
 #[derive(Default)]

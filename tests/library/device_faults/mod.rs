@@ -23,7 +23,7 @@ use sagnac::device::select::SelectError;
 use sagnac::kernel::KERNELS;
 use sagnac::kernel::width::Width;
 use sagnac::study::Study;
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 use sagnac::verify::{loads, trusted};
 use script::{PLACES, Place, Seen, scripted};
 

@@ -5,7 +5,7 @@ use sagnac::kernel::moments::Trials;
 use sagnac::kernel::switched_run::{Shape, trajectory};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::switched_run::verify::run_launches;
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 
 use crate::devices::{adapters, jobs, on_gpu, open, reference, total};
 

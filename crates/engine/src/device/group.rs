@@ -9,7 +9,7 @@ use std::time::Instant;
 use crate::device::attempts::Attempts;
 use crate::device::error::GpuError;
 use crate::device::{Advance, Device, Job, Tallies};
-use crate::tally::block::cover;
+use crate::tally::cover;
 
 /// Devices that share work. Each works on a thread of its own and takes parts of the work that are as large as its measured
 /// speed, so that all end at about the same time.

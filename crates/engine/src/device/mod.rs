@@ -11,7 +11,7 @@ pub mod select;
 
 use crate::device::error::GpuError;
 use crate::device::group::Group;
-use crate::tally::block::Block;
+use crate::tally::Block;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::map::Map;

@@ -1,13 +1,10 @@
 //! Studies whose values are all closed forms; their points become a table at once.
 
-use crate::sampling::plan::{Done, Plan, RunError};
-use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::{Done, Plan, RunError, Tables, Worker};
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;
 use sagnac_base::table::Table;
 

@@ -10,16 +10,12 @@ use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::table::Values;
 use crate::sampling::batches::{Work, held_by_all, lacking, sample};
-use crate::sampling::plan::{Done, Plan, RunError};
-use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::{Done, Plan, RunError, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Address, Store};
 use crate::study::Study;
-use crate::tally::block::{Block, base_log2, row_log2};
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Block, Id, Share, base_log2, row_log2};
 use sagnac_base::progress::Progress;
 use sagnac_base::source::diagnose::StudyError;
 

@@ -99,7 +99,7 @@ fn agree<T: Tally>(group: &[Raw], path: &Path) -> Result<(), StoreError> {
         }
         outer.tally::<T>(path)?;
         let within = rows[at + 1..].iter().take_while(|inner| inner.block.end() <= outer.block.end());
-        let parts = crate::tally::block::fold(within.map(|inner| (inner.block, *inner)).collect());
+        let parts = crate::tally::fold(within.map(|inner| (inner.block, *inner)).collect());
         let covered: u64 = parts.iter().map(|(block, _)| block.trials()).sum();
         if covered < outer.block.trials() {
             continue;

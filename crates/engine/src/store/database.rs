@@ -14,9 +14,7 @@ use crate::store::lock::{Lock, own_name};
 use crate::store::row::{COLUMNS, Raw};
 use crate::store::session::Session;
 use crate::store::{Address, Identity, Keep, Provenance, StoreError, schema};
-use crate::tally::block::Block;
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Block, Id, Share};
 
 /// The open database of a results folder.
 #[derive(Debug)]

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 
 use crate::store::row::NO_BLOCK;
 use crate::store::{Address, Store, StoreError};
-use crate::tally::block::{Block, fold};
-use crate::tally::id::Id;
+use crate::tally::{Block, Id, fold};
 
 /// The blocks of all rows, read at once to avoid a query for each of thousands of points.
 #[derive(Debug)]

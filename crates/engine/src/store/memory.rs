@@ -5,9 +5,7 @@ use std::path::Path;
 
 use crate::store::row::Raw;
 use crate::store::{Address, Keep, Provenance, StoreError};
-use crate::tally::block::Block;
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Block, Id, Share};
 
 /// Rows by point and estimate.
 #[derive(Debug, Default)]

@@ -73,9 +73,7 @@ use crate::store::memory::Memory;
 use crate::store::row::Raw;
 #[cfg(feature = "store")]
 pub use crate::store::source::{Merged, Source};
-use crate::tally::block::{Block, fold};
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Block, Id, Share, fold};
 use sagnac_kernel::moments::Moments;
 use sagnac_kernel::rows::Rows;
 

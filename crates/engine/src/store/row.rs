@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::store::encoding::add;
 use crate::store::{Address, Row, StoreError, Tally};
-use crate::tally::block::Block;
+use crate::tally::Block;
 #[cfg(feature = "store")]
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::moments::Moments;
 
 /// The columns of a row, in the order in which [`Raw`] reads them.

@@ -12,7 +12,7 @@ use crate::store::folder::{Folder, parent, readable, real, single_database, take
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
 use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
-use crate::tally::share::Share;
+use crate::tally::Share;
 
 /// A store opened only for reading. No other program can open it meanwhile, unless its folder is read-only.
 #[derive(Debug)]

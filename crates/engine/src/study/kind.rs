@@ -9,7 +9,7 @@ use crate::chart::ground::Ground;
 use crate::device::load::Load;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
-use crate::sampling::plan::Planned;
+use crate::sampling::Planned;
 use crate::study::Study;
 use crate::study::part::Dissected;
 use sagnac_base::progress::Progress;

@@ -11,7 +11,7 @@ use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::{Adapter, WORKGROUP};
 use crate::device::select::{SelectError, SelfTest, trusted};
 use crate::device::{Device, Job};
-use crate::tally::block::cover;
+use crate::tally::cover;
 use sagnac_kernel::PARTS;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::normal_table::NORMAL_TABLE;

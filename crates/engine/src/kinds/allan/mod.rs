@@ -17,10 +17,7 @@ pub use crate::kinds::allan::point::{Inputs, Point};
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting;
-use crate::noise::files::swept_files;
-use crate::noise::keys::FILE;
-use crate::noise::read::WrittenNoise;
-use crate::noise::{self, Noise, switches};
+use crate::noise::{self, FILE, Noise, WrittenNoise, swept_files};
 use sagnac_base::source::diagnose::Wrong;
 use sagnac_records::fit::choose::Terms;
 use sagnac_theory::allan::estimator::Estimator;
@@ -39,19 +36,19 @@ pub struct Allan {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [keys::KEYS, keys::CURVE_KEYS, noise::keys::KEYS].concat()
+    [keys::KEYS, keys::CURVE_KEYS, noise::KEYS].concat()
 }
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&keys::SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE]).collect()
+    setting::keys(&keys::SETTINGS).chain(setting::keys(&noise::SETTINGS)).chain([&FILE]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
     reading.set(&mut inputs, &keys::SETTINGS)?;
-    let WrittenNoise { noise, written } = noise::read::read(reading)?;
+    let WrittenNoise { noise, written } = noise::read(reading)?;
     reading.note(&[&keys::ALLAN, &keys::TAU]);
     let estimate = estimate::read(&reading.table)?;
     let files = swept_files(reading, &written)?;
@@ -63,7 +60,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
         estimate: &estimate,
     };
     base.check_sweeps()?;
-    switches::check(base.noises(), &reading.places, reading.sweeps)?;
+    noise::check_switching(base.noises(), &reading.places, reading.sweeps)?;
     let points = base.points()?;
     let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
     reading.notes.extend(notes::of(terms.as_ref(), &points));

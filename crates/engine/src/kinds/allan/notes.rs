@@ -1,7 +1,7 @@
 //! Notes attached to the results of a study of Allan curves.
 
 use crate::kinds::allan::point::Point;
-use crate::noise::{Noise, lock_in};
+use crate::noise::{self, Noise};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::fit::choose::Terms;
 use sagnac_theory::allan::terms::Term;
@@ -18,7 +18,7 @@ pub(crate) fn of(terms: Option<&Terms>, points: &[Point]) -> Vec<String> {
     let unfitted = terms.and_then(|terms| unfitted(terms, points));
     let switching = terms.and_then(|_| switching(points));
     let gyros = points.iter().filter_map(|Point { inputs, .. }| Some((inputs.noise.lock_in?, inputs.rate)));
-    rounded(points).into_iter().chain(lock_in::note(gyros)).chain(unfitted).chain(switching).collect()
+    rounded(points).into_iter().chain(noise::note(gyros)).chain(unfitted).chain(switching).collect()
 }
 
 /// Intervals between switches that are not whole numbers of samples.

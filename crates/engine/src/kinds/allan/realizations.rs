@@ -3,7 +3,7 @@
 use crate::device::cpu::Cpu;
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_records::fit::coefficient::Fit;
 use sagnac_records::fit::curve::Curve;
 use sagnac_theory::allan::estimator::{Estimator, Stride};

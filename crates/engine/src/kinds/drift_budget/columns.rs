@@ -4,7 +4,7 @@
 use core::convert::identity;
 use core::f64::consts::FRAC_1_SQRT_2;
 
-use crate::drift::schedule::End;
+use crate::drift::End;
 use crate::kinds::drift_budget::Point;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit, Usual};
 use sagnac_theory::drift::approximation::limit_as_published;

@@ -9,7 +9,7 @@ use crate::kinds::drift_budget::parts::PARTS;
 use crate::kinds::drift_budget::{DriftBudget, Point, keys, read, sweepable};
 use crate::kinds::exact::Exact;
 use crate::kinds::table::table;
-use crate::sampling::plan::Planned;
+use crate::sampling::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::study::part::{self, Dissected};

@@ -4,8 +4,7 @@ pub(crate) mod columns;
 pub(crate) mod kind;
 pub(crate) mod parts;
 
-use crate::drift::schedule::{END, End, SETTINGS as SCHEDULE_SETTINGS, Schedule};
-use crate::drift::{self, Drift, RESIDUAL_MAX};
+use crate::drift::{self, Drift, END, End, RESIDUAL_MAX, SCHEDULE_SETTINGS, Schedule};
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting::{self, Swept};
@@ -32,7 +31,7 @@ pub(crate) struct Point {
 
 /// Every key of this kind; a budget has no spreads.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [drift::KEYS, drift::schedule::KEYS].concat()
+    [drift::KEYS, drift::SCHEDULE_KEYS].concat()
 }
 
 /// The keys that can be swept.

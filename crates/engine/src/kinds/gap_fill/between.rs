@@ -1,6 +1,6 @@
 //! How much the interpolation of a recorded motion between its samples matters for the errors at a switch.
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::filler::{Fill, Filler};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::of_noise;

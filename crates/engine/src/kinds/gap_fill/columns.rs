@@ -1,11 +1,10 @@
 //! The columns of a gap-fill study, with a row for each point, filler and error.
 
 use crate::chart::law::Law;
-use crate::filler::closed::LISTED;
-use crate::filler::{FILLERS, Filler};
+use crate::filler::{FILLERS, Filler, LISTED};
 use crate::kinds::gap_fill::lower::Theory;
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};
-use crate::sampling::found::{self, Found};
+use crate::sampling::{self, Found};
 use sagnac_base::table::column::abouts;
 use sagnac_base::table::{About, ColumnOf, Role, Unit, Usual};
 
@@ -70,7 +69,7 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
             .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
-            .is_of("rms", Role::StandardError, found::RMS_SE),
+            .is_of("rms", Role::StandardError, sampling::RMS_SE),
         Of::new("max", Unit::ARCSEC, labelled("largest error seen", "largest error seen on [motion]"), |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error among the trials, ″; the noise reaches 6.3 standard deviations."),
         Of::new("p99_73", Unit::ARCSEC, labelled("99.73 % error", "99.73 % error on [motion]"), |row| row.found.level(|q| Some(q.value)).into())
@@ -79,17 +78,17 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
             .usual(Usual::Answer)
             .within(|row| row.found.level_band()),
         Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+            .is_of("p99_73", Role::Lower, sampling::LEVEL_LOWER),
         Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
+            .is_of("p99_73", Role::Upper, sampling::LEVEL_UPPER),
         Of::new("theory_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.theory.rms.into())
             .is_of("rms", Role::Theory, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
         Of::new("theory_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.theory.max.into())
             .is_of("max", Role::Theory, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
-            .is_of("rms", Role::Z, found::Z),
+            .is_of("rms", Role::Z, sampling::Z),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
-            .is_of("rms", Role::Representation, found::REPRESENTATION),
+            .is_of("rms", Role::Representation, sampling::REPRESENTATION),
     ];
     if is_specified {
         // What is sampled is [motion] alone, which is not what fillers are judged on.

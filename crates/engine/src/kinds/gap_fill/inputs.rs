@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::filler::specification::Specification;
+use crate::filler::Specification;
 use crate::motion::Motion;
 use sagnac_base::quantity::units::round_12;
 

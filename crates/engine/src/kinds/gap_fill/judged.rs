@@ -5,16 +5,15 @@
 //! played slower and faster by [`SHIFT`]: all its frequencies change, and the rms of its rate stays. Where a study has a
 //! specification, all its fillers are judged on that instead, with each frequency off by its own tolerance.
 
-use crate::filler::keys::Error;
-use crate::filler::specification::Part;
-use crate::filler::{Fill, Filler, Method, Target};
+use crate::filler::read::Error;
+use crate::filler::{Fill, Filler, Method, Part, Target};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::played::Played;
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::keys::{DESIGN, Design, Phase};
 use crate::motion::{Gaussian, Motion, Tone};
-use crate::tally::stats::LEVEL;
+use crate::tally::LEVEL;
 use sagnac_base::quantity::number::significant;
 use sagnac_theory::level::of_sine;
 use sagnac_theory::minimum_variance::Band;

@@ -1,6 +1,6 @@
 //! The keys specific to gap-fill studies, and the settings of their inputs except the motion.
 
-use crate::filler::keys::GAP_TICKS;
+use crate::filler::read::GAP_TICKS;
 use crate::key::holds::{Holds, measure};
 use crate::key::row::keys;
 use crate::key::setting::Setting;

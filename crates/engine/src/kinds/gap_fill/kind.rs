@@ -4,13 +4,11 @@ use std::sync::Arc;
 
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
-use crate::filler::keys::Error;
-use crate::kinds::gap_fill::columns;
-use crate::kinds::gap_fill::parts;
-use crate::kinds::gap_fill::run::{self, proven::Proven};
-use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
+use crate::filler::read::Error;
+use crate::kinds::gap_fill::run::proven::Proven;
+use crate::kinds::gap_fill::{GapFill, columns, keys, parts, read, run, sweepable};
 use crate::kinds::plan::PointsPlan;
-use crate::sampling::plan::Planned;
+use crate::sampling::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::Dissected;

@@ -1,9 +1,8 @@
 //! The values of the laws of gap fillers.
 
 use crate::chart::law::Law;
-use crate::filler::closed::Closed;
-use crate::filler::keys::Error;
-use crate::filler::{Filler, Method};
+use crate::filler::read::Error;
+use crate::filler::{Closed, Filler, Method};
 use crate::kinds::gap_fill::inputs::Inputs;
 use sagnac_theory::published::{
     noise_of_const, noise_of_const_as_published, taylor_extremum_as_published,

@@ -19,10 +19,10 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};
-use crate::filler::read::Written;
-use crate::filler::ticks::{Purpose, TickList};
-use crate::filler::{Filler, Method, Target, specification};
+use crate::filler::read::{
+    ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH, Written,
+};
+use crate::filler::{self, Filler, Method, Purpose, Target, TickList};
 use crate::key::given::Given;
 use crate::key::precision::{self, PRECISION};
 use crate::key::reading::Reading;
@@ -33,8 +33,8 @@ use crate::kinds::gap_fill::keys::{RELOCK, SETTINGS, TICK_NOISE};
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::{gap_fill, gyro};
 use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
-use crate::motion::{self, Profile, vibration};
-use crate::{filler, noise};
+use crate::motion::{self, Profile};
+use crate::noise;
 use sagnac_base::source::diagnose::{Fault, Wrong};
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
 
@@ -60,15 +60,8 @@ impl GapFill {
 
 /// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
-    [
-        gap_fill::keys::KEYS,
-        gyro::KEYS,
-        motion::keys::KEYS,
-        specification::KEYS,
-        filler::keys::KEYS,
-        noise::keys::KEYS,
-    ]
-    .concat()
+    [gap_fill::keys::KEYS, gyro::KEYS, motion::keys::KEYS, filler::KEYS, filler::read::KEYS, noise::KEYS]
+        .concat()
 }
 
 /// Every key of this kind.
@@ -95,7 +88,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     }
     let errors = read_errors(reading.get(&ERRORS))?;
     for sweep in reading.sweeps {
-        if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
+        if reading.get(&noise::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
             let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
             return Err(sweep.fault(message, "a second noise", "leave one of them out").into());
         }
@@ -134,7 +127,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
 /// Reads the inputs, and notes what they leave out or assume.
 fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
     reading.table.needed(&GAP_TICKS)?;
-    let motion = motion::read::read(reading)?;
+    let motion = motion::keys::read(reading)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,
@@ -142,7 +135,7 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
         readout_lsb: 0.0,
         relock: read_relock(reading.get(&RELOCK))?,
         motion,
-        specification: specification::read(reading)?.map(Arc::new),
+        specification: filler::read(reading)?.map(Arc::new),
         gap_ticks: 0,
     };
     let noise = of_noise::read(reading)?;
@@ -152,11 +145,9 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
     let lock_in = noise.as_ref().and_then(|noise| noise.lock_in);
-    reading
-        .notes
-        .extend(noise::lock_in::note(lock_in.map(|lock_in| (lock_in, inputs.motion.rate)).into_iter()));
+    reading.notes.extend(noise::note(lock_in.map(|lock_in| (lock_in, inputs.motion.rate)).into_iter()));
     reading.notes.extend(noise.and_then(|noise| of_noise::left_out(&noise, &inputs, reading.sweeps)));
-    let assumed = reading.get(&SUSPENSION).and_then(|_| vibration::KEYS.assumed(reading));
+    let assumed = reading.get(&SUSPENSION).and_then(|_| motion::KEYS.assumed(reading));
     reading.notes.extend(assumed);
     Ok(inputs)
 }

@@ -1,13 +1,12 @@
 //! The noise of a gap-fill study from `[noise]`: the parts that matter over a gap, and those that do not.
 
-use crate::filler::keys::GAP_TICKS;
+use crate::filler::read::GAP_TICKS;
 use crate::key::reading::Reading;
 use crate::key::sweep::Sweep;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::keys::{GYRO, READOUT_LSB, TICK_NOISE};
 use crate::kinds::gyro::TICK;
-use crate::noise::keys::NOISE;
-use crate::noise::{self, Noise};
+use crate::noise::{self, NOISE, Noise};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::round_12;
 use sagnac_base::source::diagnose::{Fault, Wrong};
@@ -22,7 +21,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
         (None, Some(table)) => {
             reading.places.add(TICK_NOISE.name, table.span());
             reading.places.add(READOUT_LSB.name, table.span());
-            let noise = noise::read::read(reading)?.noise;
+            let noise = noise::read(reading)?.noise;
             noise.lock_in.map_or(Ok(()), |lock_in| lock_in.check(&reading.places))?;
             Ok(Some(noise))
         }

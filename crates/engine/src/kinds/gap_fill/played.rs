@@ -4,7 +4,7 @@ use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::{Size, played, rms};
 use crate::motion::keys::Phase;
 use crate::motion::{Frequency, Motion, Tone, Value};
-use crate::tally::stats::LEVEL;
+use crate::tally::LEVEL;
 use sagnac_theory::level::of_sine;
 use sagnac_theory::quadrature::Rule;
 use sagnac_theory::rows::TickRows;

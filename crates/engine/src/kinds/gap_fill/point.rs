@@ -5,15 +5,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::filler::read::{Extrapolation, Written};
-use crate::filler::ticks::TickList;
-use crate::filler::{Fill, Method, Target};
-use crate::key::setting::Swept;
+use crate::filler::{Fill, Method, Target, TickList};
+use crate::key::places::Places;
+use crate::key::setting::{self, Swept};
 use crate::key::sweep::{self, Sweep};
-use crate::key::{places::Places, setting};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::keys::{NOISE_RANDOM_WALK, SETTINGS};
 use crate::motion::keys::Design;
-use crate::motion::{self, Frequency, Gaussian, Profile, Tone, vibration};
+use crate::motion::{self, Frequency, Gaussian, Profile, Tone};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::source::diagnose::Fault;
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
@@ -116,7 +115,7 @@ impl Base<'_> {
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
         if let Some(mut vibration) = inputs.motion.vibration.clone() {
-            vibration.suspension = vibration::KEYS.swept(&swept).unwrap_or(vibration.suspension);
+            vibration.suspension = motion::KEYS.swept(&swept).unwrap_or(vibration.suspension);
             vibration.check(inputs.tick_s, MAX_TICK_RATES, self.places)?;
             vibration.add_to(&mut inputs.motion);
             inputs.motion.vibration = Some(vibration);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::device::load::Load;
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
 use crate::key::common::Streams;
 use crate::key::refusal::Refusal;

@@ -2,7 +2,7 @@
 
 use crate::kinds::lock_in::Point;
 use crate::kinds::lock_in::lower::theory::Zone;
-use crate::tally::stats::{NORMAL_95, z_score};
+use crate::tally::{NORMAL_95, z_score};
 use sagnac_base::table::column::Band;
 use sagnac_base::table::{ColumnOf, Role, Unit, Usual};
 

@@ -10,7 +10,7 @@ use crate::kinds::lock_in::Inputs;
 use crate::motion::keys::{
     AMPLITUDE, FREQUENCY, INTERPOLATION, MOTION, OF_SEVERAL, PHASE, PROFILE, PROFILE_FILE, Phase, TONES,
 };
-use crate::motion::{Amplitude, Frequency, Motion, Tone, Value, read};
+use crate::motion::{Amplitude, Frequency, Motion, Tone, Value, keys};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
 
@@ -47,7 +47,7 @@ pub(crate) fn read_motion(reading: &mut Reading) -> Result<Option<Motion>, Wrong
     if reading.get(&MOTION).is_none() {
         return Ok(None);
     }
-    let motion = read::read(reading)?;
+    let motion = keys::read(reading)?;
     if motion.tones.iter().any(|tone| fixed(tone).is_none()) {
         let span = reading.table.span_of(&MOTION).unwrap_or_default();
         let message = "[motion] has a tone whose amplitude or frequency is drawn for each trial";

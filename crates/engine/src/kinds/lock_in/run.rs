@@ -12,17 +12,13 @@ use crate::kinds::lock_in::lower::theory::{self, Zone};
 use crate::kinds::lock_in::point::Times;
 use crate::kinds::lock_in::{LockInStudy, Point};
 use crate::kinds::table::table;
-use crate::sampling::batches::held_by_all;
-use crate::sampling::plan::{self, Done, RunError};
-use crate::sampling::records::{Records, Wanted};
-use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::batches::{Records, Wanted, held_by_all};
+use crate::sampling::{self, Done, RunError, Tables, Worker};
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::study::Study;
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_records::allan::unit::Unit;
@@ -137,7 +133,7 @@ fn estimate(values: &[f64]) -> Option<Estimate> {
     (!values.is_empty()).then_some((mean, se))
 }
 
-impl plan::Plan for Plan<'_> {
+impl sampling::Plan for Plan<'_> {
     fn run(
         &self,
         store: &mut Store,

@@ -22,10 +22,7 @@ use crate::kinds::navigation::keys::{
     ALIGNMENT, CALIBRATION, COURSE, DRAWS, DURATION, FILTER, LATITUDE, NAVIGATION, SAMPLE, SETTINGS,
     SOLUTION, SPEED, Solution,
 };
-use crate::noise::files::swept_files;
-use crate::noise::keys::{FILE, coefficient_values};
-use crate::noise::read::WrittenNoise;
-use crate::noise::{self, lock_in, switches};
+use crate::noise::{self, FILE, WrittenNoise, coefficient_values, swept_files};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Quantity;
 use sagnac_base::source::diagnose::{Fault, Wrong};
@@ -52,12 +49,12 @@ impl Navigation {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [keys::KEYS, noise::keys::KEYS].concat()
+    [keys::KEYS, noise::KEYS].concat()
 }
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE, &FILTER]).collect()
+    setting::keys(&SETTINGS).chain(setting::keys(&noise::SETTINGS)).chain([&FILE, &FILTER]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -79,7 +76,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
         noise: Noise::default(),
     };
     reading.set(&mut inputs, &SETTINGS)?;
-    let WrittenNoise { noise, written } = noise::read::read(reading)?;
+    let WrittenNoise { noise, written } = noise::read(reading)?;
     let files = swept_files(reading, &written)?;
     let filters = filter::swept(reading)?;
     let (draws, uncertain) = read_draws(reading, &noise)?;
@@ -91,10 +88,10 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
         sweeps: reading.sweeps,
     };
     base.check_sweeps()?;
-    switches::check(base.noises(), &reading.places, reading.sweeps)?;
+    noise::check_switching(base.noises(), &reading.places, reading.sweeps)?;
     let points = base.points()?;
     let gyros = points.iter().filter_map(|point| Some((point.inputs.noise.lock_in?, 0.0)));
-    reading.notes.extend(rounded(&points).into_iter().chain(lock_in::note(gyros)));
+    reading.notes.extend(rounded(&points).into_iter().chain(noise::note(gyros)));
     Ok(Navigation { solution, draws, uncertain, points })
 }
 

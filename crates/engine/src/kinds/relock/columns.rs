@@ -4,7 +4,7 @@ use crate::chart::law::Law;
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::RelockEstimate;
 use crate::kinds::relock::{RelockInputs, RelockPoint};
-use crate::sampling::found::{self, Found};
+use crate::sampling::{self, Found};
 use sagnac_base::table::column::abouts;
 use sagnac_base::table::{About, Cell, ColumnOf, Role, Unit, Usual};
 use sagnac_theory::published::{RELOCK_TABLES, RELOCK_TICK_S, RelockRow};
@@ -99,23 +99,23 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
-            .is_of("rms", Role::StandardError, found::RMS_SE),
+            .is_of("rms", Role::StandardError, sampling::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest angle left", |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of a remaining angle among the trials, ″."),
         Of::new("p99_73", Unit::ARCSEC, "99.73 % angle left", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, below which 99.73 % of the remaining angles stay in magnitude.")
             .within(|row| row.found.level_band()),
         Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % angle left (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+            .is_of("p99_73", Role::Lower, sampling::LEVEL_LOWER),
         Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % angle left (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
+            .is_of("p99_73", Role::Upper, sampling::LEVEL_UPPER),
         Of::new("theory_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.theory.map(|theory| theory.0).into())
             .is_of("mean", Role::Theory, "`mean` in closed form, ″. It exists without compensation, for the first tick with frequency compensation, and with \
                 detuning compensation if there is neither noise nor a step."),
         Of::new("theory_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.theory.map(|theory| theory.1).into())
             .is_of("rms", Role::Theory, "`rms` in closed form, ″, where there is one."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", Row::z)
-            .is_of("rms", Role::Z, found::Z),
+            .is_of("rms", Role::Z, sampling::Z),
         Of::new("drift", Unit::ARCSEC_PER_S, "apparent rate for the nominal initial detuning", Row::drift)
             .is(Role::Estimate, "ΔΩ_i, the apparent rate of the loop in this tick for the nominal initial detuning, ″/s, Z(11)."),
         Of::new("bias", Unit::HZ, "bias frequency at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.bias_at(s)))
@@ -135,7 +135,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("signal", Unit::NONE, "signal of the detuning at the start of the tick", Row::signal)
             .is(Role::Estimate, "A_I, the signal of the detuning at the start of the tick, in the unit of `relock.signal_gain`, Z(1)."),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
-            .is_of("rms", Role::Representation, found::REPRESENTATION),
+            .is_of("rms", Role::Representation, sampling::REPRESENTATION),
     ]
 }
 

@@ -11,7 +11,7 @@ use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::parts::PARTS;
 use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy, keys, read, sweepable};
-use crate::sampling::plan::Planned;
+use crate::sampling::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::{self, Dissected};

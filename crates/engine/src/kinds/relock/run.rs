@@ -7,12 +7,10 @@ use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::kinds::table::table;
 use crate::sampling::batches::{Work, estimates};
-use crate::sampling::found::Found;
-use crate::sampling::plan::RunError;
-use crate::sampling::tables::Tables;
+use crate::sampling::{Found, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Store};
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_base::quantity::number::significant;
 use sagnac_kernel::moments::MAX_ESTIMATES;
 

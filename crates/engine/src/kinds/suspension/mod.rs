@@ -10,7 +10,7 @@ use crate::key::reading::Reading;
 use crate::key::row::{Key, keys};
 use crate::key::setting::{self, Setting, Swept};
 use crate::key::sweep;
-use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
+use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::Wrong;
 use sagnac_theory::suspension::{Response, Suspension};

@@ -1,13 +1,12 @@
 //! The columns of a study of whole runs, with a row for each point, filler and angle, and of their trajectories.
 
-use crate::filler::FILLERS;
-use crate::filler::closed::LISTED;
+use crate::filler::{FILLERS, LISTED};
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::kinds::switched_run::Angle;
 use crate::kinds::switched_run::lower::{FilledRun, RunEstimate};
 use crate::kinds::switched_run::point::Point;
-use crate::sampling::found::{self, Found};
-use crate::tally::stats::z_score;
+use crate::sampling::{self, Found};
+use crate::tally::z_score;
 use sagnac_base::table::column::Band;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit, Usual};
 use sagnac_theory::drift::magnetic::switches;
@@ -100,16 +99,16 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Error, "Root mean square error of the angle, ″.")
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
-            .is_of("rms", Role::StandardError, found::RMS_SE),
+            .is_of("rms", Role::StandardError, sampling::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error of the angle among the runs, ″."),
         Of::new("p99_73", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, below which the error of the angle stays in magnitude in 99.73 % of runs.")
             .within(|row| row.found.level_band()),
         Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+            .is_of("p99_73", Role::Lower, sampling::LEVEL_LOWER),
         Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
+            .is_of("p99_73", Role::Upper, sampling::LEVEL_UPPER),
         Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
             .is(Role::Estimate, "`mean` divided by the time, °/h; blank for the largest angle.")
             .brief()
@@ -138,9 +137,9 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("z_mean", Unit::NONE, "deviation of the mean from the closed form, standard errors", |row| row.z_mean().into())
             .is_of("mean", Role::Z, "Deviation of `mean` from `theory_mean` in standard errors; beyond ±5 something is wrong."),
         Of::new("z", Unit::NONE, "deviation of the rms from the closed form, standard errors", |row| row.z().into())
-            .is_of("rms", Role::Z, found::Z),
+            .is_of("rms", Role::Z, sampling::Z),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
-            .is_of("rms", Role::Representation, found::REPRESENTATION),
+            .is_of("rms", Role::Representation, sampling::REPRESENTATION),
     ])
     .collect()
 }

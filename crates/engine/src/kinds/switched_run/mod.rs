@@ -12,10 +12,9 @@ pub mod verify;
 pub use crate::kinds::switched_run::point::Point;
 pub use crate::kinds::switched_run::relock::Relocking;
 
-use crate::drift::schedule::{self, END, End, Schedule};
-use crate::drift::{self, DRIFT, Drift, RESIDUAL_MAX};
+use crate::drift::{self, DRIFT, Drift, END, End, RESIDUAL_MAX, Schedule};
 use crate::filler::Filler;
-use crate::filler::keys::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
+use crate::filler::read::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
 use crate::key::given::Given;
 use crate::key::holds::{Holds, unlimited, words};
 use crate::key::places::Places;
@@ -24,7 +23,7 @@ use crate::key::row::{Key, keys};
 use crate::key::setting;
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::motion::keys::MOTION;
-use crate::noise::keys::NOISE;
+use crate::noise::NOISE;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
@@ -122,20 +121,20 @@ impl SwitchedRun {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    let run = [schedule::KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
+    let run = [drift::SCHEDULE_KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
     [&run[..], &gap_fill::keys_of_fill(), &relock::keys()].concat()
 }
 
 /// The keys that can be swept.
 pub fn sweepable() -> Vec<&'static Key> {
-    let run = setting::keys(&schedule::SETTINGS).chain(setting::keys(&drift::SETTINGS));
+    let run = setting::keys(&drift::SCHEDULE_SETTINGS).chain(setting::keys(&drift::SETTINGS));
     run.chain(gap_fill::sweepable()).chain(relock::sweepable()).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
-    reading.set(&mut schedule, &schedule::SETTINGS)?;
+    reading.set(&mut schedule, &drift::SCHEDULE_SETTINGS)?;
     schedule.end = End::of(reading.get(&END));
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.note(&[&DRIFT]);

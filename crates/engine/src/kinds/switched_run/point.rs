@@ -1,10 +1,8 @@
 //! Points of a study of whole runs, each checked as a whole.
 
-use crate::drift::schedule::{self, End, Schedule};
-use crate::drift::{self, Drift};
+use crate::drift::{self, Drift, End, Schedule};
 use crate::key::places::Places;
-use crate::key::setting;
-use crate::key::setting::Swept;
+use crate::key::setting::{self, Swept};
 use crate::key::sweep::{self, Sweep};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
@@ -132,7 +130,7 @@ impl Base<'_> {
     ) -> Result<Point, Fault> {
         let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
         setting::set(&mut drift, &drift::SETTINGS, &swept);
-        setting::set(&mut schedule, &schedule::SETTINGS, &swept);
+        setting::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
         let fill = self.fill.map(|fill| fill.points[index].clone());
         if let Some(fill) = &fill {
             schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;

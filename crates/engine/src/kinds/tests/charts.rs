@@ -3,7 +3,7 @@
 use crate::chart::law::Law;
 use crate::chart::{Chart, Shows};
 use crate::filler::Filler;
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::key::scale::Scale;
 use crate::kinds::tests::{parsed, refused, with};
 

@@ -6,7 +6,7 @@ use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::plan::identity;
 use crate::store::Address;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 
 /// Records of one point, with the address of their sums.

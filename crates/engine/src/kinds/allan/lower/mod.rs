@@ -23,7 +23,7 @@ pub use crate::kinds::allan::lower::theory::Theory;
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::allan::lower::model::{Model, WarmUp};
 use crate::kinds::gap_fill::lower::words_of;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::allan;
 use sagnac_kernel::recipe::{Level, Recipe};
 use sagnac_theory::allan::estimator::{Difference, Estimator};

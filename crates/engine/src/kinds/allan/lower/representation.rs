@@ -11,7 +11,7 @@ use crate::kinds::allan::lower::fixed::TURN;
 use crate::kinds::allan::lower::model::{Markov, Noise, Sine, reach};
 use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::kinds::allan::lower::theory::Theory;
-use crate::sampling::found;
+use crate::sampling;
 use sagnac_base::quantity::number::significant;
 use sagnac_theory::allan::quantizer;
 
@@ -45,7 +45,7 @@ impl Records {
             let help = "this is a fault of the program: please report the study";
             return Err(Refusal::new("noise", found, help));
         }
-        Ok(found::representation(Some(words), Some(inputs.value), most))
+        Ok(sampling::representation(Some(words), Some(inputs.value), most))
     }
 
     /// Bound of the deviation of the mean square at `m` except that of the readout, where the mean square of what all

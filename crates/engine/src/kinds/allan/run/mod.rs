@@ -14,18 +14,13 @@ use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::estimates::Estimates;
 use crate::kinds::table::table;
-use crate::sampling::batches::held_by_all;
-use crate::sampling::plan;
-use crate::sampling::plan::{Done, RunError};
-use crate::sampling::records::{Records, Wanted};
-use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::batches::{Records, Wanted, held_by_all};
+use crate::sampling::{self, Done, RunError, Tables, Worker};
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::study::Study;
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::source::diagnose::StudyError;
@@ -134,7 +129,7 @@ fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Refusal> {
     Err(Refusal { key: "allan", message, help })
 }
 
-impl plan::Plan for Plan<'_> {
+impl sampling::Plan for Plan<'_> {
     fn run(
         &self,
         store: &mut Store,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::filler::{Filler, Method};
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::fixed::{
@@ -14,7 +14,7 @@ use crate::kinds::gap_fill::lower::weights::{Rows, singular_covariance};
 use crate::kinds::gap_fill::lower::{definition, words_of};
 use crate::kinds::gap_fill::point::Designed;
 use crate::store::Address;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::gap_fill;
 use sagnac_kernel::moments::{LIMIT, level};
 use sagnac_kernel::normal::REACH;

@@ -1,6 +1,6 @@
 //! The launch of some fillers of a point: its shape, ordered parameter words and table.
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, FixedTone, gaussian_place, long_words, mask};

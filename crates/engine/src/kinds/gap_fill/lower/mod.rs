@@ -41,7 +41,7 @@ pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Theory};
 pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
 use crate::key::common::Streams;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, long_words};
@@ -50,7 +50,7 @@ use crate::kinds::gap_fill::lower::readout::Fractions;
 use crate::kinds::gap_fill::lower::unit::DEFAULT_SIDES;
 use crate::kinds::gap_fill::point::{Designed, Point};
 use crate::kinds::plan::identity;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::moments::MAX_ESTIMATES;
 use sagnac_theory::minimum_variance::Band;
 

@@ -254,7 +254,7 @@ fn swung(tone: &FixedTone, parts: &[(i32, bool)], n: i32) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filler::keys::Error;
+    use crate::filler::read::Error;
     use crate::kinds::gap_fill::GapFill;
     use crate::kinds::gap_fill::lower::Lowered;
     use crate::kinds::gap_fill::lower::estimate::{Estimate, functionals};

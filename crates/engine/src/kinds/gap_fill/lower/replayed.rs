@@ -4,9 +4,8 @@ use std::sync::{Arc, Weak};
 
 use crate::kinds::gap_fill::lower::fixed::FixedProfile;
 use crate::kinds::gap_fill::lower::response::{Functional, Response};
-use crate::motion::replay::Replay;
-use crate::tally::id::Id;
-use crate::tally::stats::LEVEL;
+use crate::motion::Replay;
+use crate::tally::{Id, LEVEL};
 use sagnac_kernel::gap_fill::shape::MARGIN;
 use sagnac_theory::memo::Memo;
 

@@ -1,7 +1,7 @@
 //! The residual that a filler leaves at a switch, as a function of the phase of the motion there; whole runs accumulate
 //! it.
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::kinds::gap_fill::lower::estimate::{Estimate, functionals};
 use crate::kinds::gap_fill::lower::{Lowered, readout};
 use sagnac_kernel::relock_ticks::MAX_TICKS;

@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::filler::{Filler, Method, Target};
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -249,7 +249,7 @@ fn nearest(ticks: &[i32], rows: &[(u32, Vec<f64>)]) -> Rows {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filler::keys::Error;
+    use crate::filler::read::Error;
     use crate::kinds::gap_fill::inputs::TickNoise;
     use crate::kinds::gap_fill::verify::{Configuration, minimum_variance};
     use crate::motion::keys::{Design, Interpolation, Position};

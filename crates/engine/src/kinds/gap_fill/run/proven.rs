@@ -1,8 +1,8 @@
 //! A point that is proven to fit. Of its lowered form only what tables and the stop rule need is kept; the words of its
 //! launches are made again for the batches that sample it.
 
-use crate::filler::keys::Error;
-use crate::filler::ticks::latency_ticks;
+use crate::filler::latency_ticks;
+use crate::filler::read::Error;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -12,13 +12,12 @@ use crate::kinds::gap_fill::lower::estimate::{Estimate, Theory};
 use crate::kinds::gap_fill::lower::physical_theory::PhysicalTheory;
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::plan::{Lacking, Launched};
+use crate::sampling;
 use crate::sampling::batches::Work;
-use crate::sampling::found;
 use crate::store::Address;
 use crate::store::error::StoreError;
 use crate::study::Study;
-use crate::tally::block::Block;
-use crate::tally::id::Id;
+use crate::tally::{Block, Id};
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::moments::MAX_ESTIMATES;
 use sagnac_theory::rows::sides;
@@ -95,14 +94,14 @@ impl Proof {
         let physical_rms = theory.rms.and_then(|_| physical.rms(&estimate.rows, error));
         if let Some((words, inputs)) = theory.rms.zip(physical_rms) {
             let what = format!("the {} of `{name}`", error.name());
-            found::check_representation(
+            sampling::check_representation(
                 "switching.fillers",
                 &what,
                 [words, inputs],
                 estimate.representation,
             )?;
         }
-        let representation = found::representation(theory.rms, physical_rms, estimate.representation);
+        let representation = sampling::representation(theory.rms, physical_rms, estimate.representation);
         if theory.rms.is_some_and(|rms| rms < theory.resolution) {
             // The words say nothing of so small an error, which the inputs do.
             theory.rms = physical_rms;

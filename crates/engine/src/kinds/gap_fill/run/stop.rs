@@ -6,7 +6,7 @@ use crate::kinds::gap_fill::run::proven::Proof;
 use crate::kinds::plan::Launched;
 use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::tally::stats::{Estimates, NORMAL_95};
+use crate::tally::{Estimates, NORMAL_95};
 use sagnac_kernel::moments::Moments;
 
 impl Plan<'_> {

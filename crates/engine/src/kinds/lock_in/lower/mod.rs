@@ -16,9 +16,9 @@ use crate::kinds::lock_in::lower::fixed::Fixed;
 use crate::kinds::lock_in::lower::lowered_theory::LoweredTheory;
 use crate::kinds::lock_in::lower::steps::Steps;
 use crate::kinds::plan::identity;
-use crate::sampling::found;
+use crate::sampling;
 use crate::store::Address;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::lock_in::{LockIn, OTHER_VALUES, VERSION};
 use sagnac_theory::allan::estimator::{Difference, Estimator};
@@ -78,7 +78,7 @@ impl Gyros {
         if let Some((lowered, physical)) = lowered.zip(physical) {
             lowered.check(physical)?;
         }
-        let representation = found::representation(lowered.map(|lowered| lowered.walk), physical, 0.0);
+        let representation = sampling::representation(lowered.map(|lowered| lowered.walk), physical, 0.0);
         let averaged = times.ms.iter().zip(&ms).zip(places);
         let averaged = averaged.map(|((m, &of_kernel), place)| {
             (times.sample_s * *m as f64, estimator.terms(samples, of_kernel), place)

@@ -8,7 +8,7 @@ use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
-use crate::sampling::found;
+use crate::sampling;
 use sagnac_theory::navigation::covariance::{Noise, of_angles};
 
 /// Largest rounding of an angle common to all records, LSB: that of the angle, and that of the rate of a warm-up.
@@ -152,6 +152,6 @@ impl Lowered {
             let help = "this is a fault of the program: please report the study";
             return Err(Refusal::new("noise", found, help));
         }
-        Ok(found::representation(Some(rms), Some(inputs), most))
+        Ok(sampling::representation(Some(rms), Some(inputs), most))
     }
 }

@@ -1,7 +1,6 @@
 //! What a filter claims of its error, against what the error is.
 
-use crate::tally::binomial::proportion_interval;
-use crate::tally::stats::{NORMAL_95, z_score};
+use crate::tally::{NORMAL_95, proportion_interval, z_score};
 use sagnac_base::table::column::Band;
 use sagnac_theory::navigation::radial::Radial;
 

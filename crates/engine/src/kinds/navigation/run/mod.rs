@@ -15,18 +15,13 @@ use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
 use crate::kinds::navigation::run::claim::Claim;
 use crate::kinds::navigation::run::sizes::Sizes;
 use crate::kinds::table::table;
-use crate::sampling::batches::held_by_all;
-use crate::sampling::plan;
-use crate::sampling::plan::{Done, RunError};
-use crate::sampling::records::{Records, Wanted};
-use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::batches::{Records, Wanted, held_by_all};
+use crate::sampling::{self, Done, RunError, Tables, Worker};
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::study::Study;
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_kernel::curve::Recorded;
@@ -198,7 +193,7 @@ impl LoweredGyro {
     }
 }
 
-impl plan::Plan for Plan<'_> {
+impl sampling::Plan for Plan<'_> {
     fn run(
         &self,
         store: &mut Store,

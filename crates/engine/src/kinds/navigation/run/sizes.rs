@@ -1,7 +1,6 @@
 //! The distribution of the size of an error, sampled and in closed form.
 
-use crate::tally::binomial::central_interval;
-use crate::tally::stats::{NORMAL_95, z_score};
+use crate::tally::{NORMAL_95, central_interval, z_score};
 use sagnac_base::table::column::Band;
 use sagnac_theory::navigation::radial::{Radial, quantile};
 

@@ -13,9 +13,9 @@ use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::plan::identity;
 use crate::kinds::relock::RelockPoint;
 use crate::kinds::relock::inputs::Compensation;
-use crate::sampling::found;
+use crate::sampling;
 use crate::store::Address;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::moments::{MAX_ESTIMATES, Trials, level};
 use sagnac_kernel::relock::{Parameters, Shape, WEIGHT_BITS};
@@ -108,7 +108,7 @@ impl LoweredRelock {
         let most = both.map(|(words, inputs)| self.check(compensation, tick, [words, inputs], &weights));
         let most = most.transpose()?.unwrap_or(0.0);
         let [of_words, of_inputs] = [theory, physical].map(|moments| moments.map(|(_, rms)| rms));
-        let representation = found::representation(of_words, of_inputs, most);
+        let representation = sampling::representation(of_words, of_inputs, most);
         let estimate = match tick {
             Some(tick) => format!("estimate\ncompensation={}\nticks={tick}\n", compensation.name()),
             None => format!("estimate\ncompensation={}\nticks=1..={}\n", compensation.name(), self.ticks),

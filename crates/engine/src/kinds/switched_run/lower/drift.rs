@@ -1,9 +1,8 @@
 //! The drift of a run in closed form, ″: its nominal value, and its deviations.
 
-use crate::drift::schedule::{End, Schedule};
-use crate::kinds::switched_run::FirstMode;
-use crate::kinds::switched_run::SwitchedRun;
+use crate::drift::{End, Schedule};
 use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::kinds::switched_run::{FirstMode, SwitchedRun};
 use sagnac_theory::drift::magnetic::{signed_decay, signed_time, switches};
 
 /// The angle of the drift at one time.

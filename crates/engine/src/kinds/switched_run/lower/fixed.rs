@@ -1,14 +1,13 @@
 //! A run in fixed point: the words of the kernel before they are arranged.
 
-use crate::drift::schedule::End;
+use crate::drift::End;
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words};
 use crate::kinds::gap_fill::lower::residual::Residual;
-use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::drift::{Drift, Row};
 use crate::kinds::switched_run::lower::relocking::Coupled;
 use crate::kinds::switched_run::lower::warm_up::{INTERVALS, WarmUp};
 use crate::kinds::switched_run::point::Point as RunPoint;
-use crate::kinds::switched_run::{FirstMode, Timing};
+use crate::kinds::switched_run::{FirstMode, SwitchedRun, Timing};
 use crate::motion::Frequency;
 use sagnac_kernel::moments::LIMIT;
 use sagnac_kernel::normal::REACH;

@@ -12,9 +12,9 @@ pub(crate) mod warm_up;
 
 pub use crate::kinds::switched_run::lower::theory::RunTheory;
 
-use crate::drift::schedule::{End, Schedule};
+use crate::drift::{End, Schedule};
 use crate::filler::Filler;
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::physical_theory::{PhysicalTheory, Switch};
@@ -27,9 +27,9 @@ use crate::kinds::switched_run::lower::physical_theory::PhysicalRun;
 use crate::kinds::switched_run::lower::relocking::FixedRelocking;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
-use crate::sampling::found;
+use crate::sampling;
 use crate::store::Address;
-use crate::tally::id::Id;
+use crate::tally::Id;
 use sagnac_kernel::moments::level;
 use sagnac_kernel::switched_run;
 
@@ -164,9 +164,9 @@ impl LoweredRun {
                 let most = fixed.representation(point.switches() as f64 + 1.0, of_switch);
                 if let Some(both) = words.zip(inputs) {
                     let what = format!("the angle `{}` of `{name}`", angle.name());
-                    found::check_representation("run.duration", &what, both.into(), most)?;
+                    sampling::check_representation("run.duration", &what, both.into(), most)?;
                 }
-                let representation = found::representation(words, inputs, most);
+                let representation = sampling::representation(words, inputs, most);
                 let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
                 let more = fixed.time_words(place).into_iter().chain([bin_base]);
                 Ok(RunEstimate {

@@ -5,7 +5,7 @@
 
 use core::f64::consts::PI;
 
-use crate::drift::schedule::{End, Schedule};
+use crate::drift::{End, Schedule};
 use crate::kinds::gap_fill::lower::physical_theory::Switch;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle, FirstMode, SwitchedRun, Timing};

@@ -2,7 +2,7 @@
 
 pub(crate) mod trajectories;
 
-use crate::drift::schedule::End;
+use crate::drift::End;
 use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::columns::{Row, columns};
@@ -10,13 +10,10 @@ use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::table::table;
 use crate::sampling::batches::{Work, estimates};
-use crate::sampling::found::Found;
-use crate::sampling::plan::RunError;
-use crate::sampling::tables::Tables;
+use crate::sampling::{Found, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Store};
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Id, Share};
 use sagnac_kernel::moments::MAX_ESTIMATES;
 
 /// The plan of a study of whole runs.

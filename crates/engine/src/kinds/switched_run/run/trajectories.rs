@@ -8,7 +8,7 @@ use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::run::Plan;
 use crate::store::error::StoreError;
 use crate::store::{Row, Store};
-use crate::tally::block::{Block, missing};
+use crate::tally::{Block, missing};
 use sagnac_base::table::Table;
 use sagnac_kernel::rows::Rows;
 use sagnac_kernel::switched_run::trajectory;

@@ -1,7 +1,221 @@
-//! Estimates with uncertainties, computed from exact tallies.
+//! Tallies: identities, blocks of trials, shares of a run, and the statistics of their sums.
+//!
+//! Two blocks nest or are disjoint, so a set of rows folds to one answer in any order, however it was written.
+//!
+//! ```
+//! use sagnac_engine::tally::share::Share;
+//!
+//! let shares = [1, 2, 3].map(|number| Share::new(number, 3).unwrap().trials(1_000_000, 0));
+//! assert!(shares[0].end == shares[1].start && shares[1].end == shares[2].start && shares[2].end == 1_000_000);
+//! assert_eq!("2/3".parse::<Share>()?, Share::new(2, 3).unwrap());
+//! # Ok::<(), sagnac_engine::tally::share::ShareError>(())
+//! ```
 
-use crate::tally::binomial::central_interval;
+use core::fmt;
+use core::ops::Range;
+use core::str::FromStr;
+use std::cell::Cell;
+
+use sha2::{Digest, Sha256};
+
 use sagnac_kernel::moments::{BIN_BITS, BINS, Moments, level_edge};
+
+/// The first 128 bits of a SHA-256.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(pub [u8; 16]);
+
+impl Id {
+    /// The identity of a text.
+    pub fn of(text: &str) -> Id {
+        Id::of_bytes(text.as_bytes())
+    }
+
+    /// The identity of a sequence of words.
+    pub fn of_words(words: impl IntoIterator<Item = u32>) -> Id {
+        let words = words.into_iter();
+        let mut bytes = Vec::with_capacity(4 * words.size_hint().0);
+        words.for_each(|word| bytes.extend_from_slice(&word.to_le_bytes()));
+        Id::of_bytes(&bytes)
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Id {
+        let mut id = [0; 16];
+        id.copy_from_slice(&Sha256::digest(bytes)[..16]);
+        Id(id)
+    }
+
+    /// The first 64 bits as a key for random words.
+    pub fn key(&self) -> [u32; 2] {
+        let [a, b, c, d, e, f, g, h, ..] = self.0;
+        [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+    }
+}
+
+impl fmt::Display for Id {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// The trials `first .. first + 2^log2`; `first` is a multiple of 2^log2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Block {
+    /// Number of the first trial.
+    pub first: u64,
+    /// log2 of the number of trials.
+    pub log2: u32,
+}
+
+impl Block {
+    /// Number of trials.
+    pub fn trials(&self) -> u64 {
+        1 << self.log2
+    }
+
+    /// Number of the first trial after the block.
+    pub fn end(&self) -> u64 {
+        self.first + self.trials()
+    }
+
+    /// Whether the block is valid: aligned, with trial numbers that fit.
+    pub fn is_aligned(&self) -> bool {
+        self.log2 < 63 && self.first.is_multiple_of(1 << self.log2) && self.first < 1 << 63
+    }
+}
+
+/// log2 of the largest block; losing a larger one would cost minutes.
+const MAX_LOG2: u32 = 26;
+
+/// log2 of the smallest base block; storing and reading a smaller one costs more than sampling it.
+const MIN_LOG2: u32 = 10;
+
+/// log2 of a study's base block. From 2^15 trials on, a point has 32 to 63 blocks.
+pub fn base_log2(trials: u64) -> u32 {
+    (trials / 32).max(1).ilog2().clamp(MIN_LOG2, MAX_LOG2)
+}
+
+/// log2 of the steps, some milliseconds, below which storing and reading a row costs more than resampling it.
+const QUICK: u32 = 18;
+
+/// log2 of the largest rows of a study with this many trials of this many steps each: its base block, or what is
+/// sampled in no time. Thousands of points then have few rows.
+pub fn row_log2(trials: u64, steps: u64) -> u32 {
+    base_log2(trials).max(QUICK.saturating_sub(steps.max(1).ilog2()))
+}
+
+/// The fewest blocks of at most 2^`largest` trials that make up `range`, in order.
+pub fn cover(range: Range<u64>, largest: u32) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut first = range.start;
+    while first < range.end {
+        let log2 = (range.end - first).ilog2().min(first.trailing_zeros()).min(largest);
+        blocks.push(Block { first, log2 });
+        first += 1 << log2;
+    }
+    blocks
+}
+
+/// The blocks that lie in no other one, in order: a complete larger block replaces its parts.
+pub fn fold<T>(mut rows: Vec<(Block, T)>) -> Vec<(Block, T)> {
+    rows.sort_by_key(|(block, _)| (block.first, core::cmp::Reverse(block.log2)));
+    let mut end = 0;
+    rows.retain(|(block, _)| {
+        let outer = block.first >= end;
+        end = end.max(block.end());
+        outer
+    });
+    rows
+}
+
+/// The parts of `trials` that no held block covers, in order.
+pub fn missing(held: &[Block], trials: Range<u64>) -> Vec<Range<u64>> {
+    let mut gaps = Vec::new();
+    let mut end = trials.start;
+    for (block, ()) in fold(held.iter().map(|&block| (block, ())).collect()) {
+        gaps.push(end..block.first.min(trials.end));
+        end = end.max(block.end());
+    }
+    gaps.push(end..trials.end);
+    gaps.retain(|gap| gap.start < gap.end);
+    gaps
+}
+
+/// One of several equal parts of the trials of every point.
+///
+/// The trials of a share follow from the study alone, so the shares of a study are disjoint, make up the whole, and can
+/// be sampled anywhere, in any order and repeatedly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Share {
+    index: u64,
+    of: u64,
+}
+
+/// log2 of the parts to which a share's ends are rounded; a sixteenth more or less work costs less than rows of odd
+/// lengths.
+const GRAIN: u32 = 4;
+
+impl Share {
+    /// The whole study.
+    pub const WHOLE: Share = Share { index: 0, of: 1 };
+
+    /// The most shares of a study.
+    pub const MAX: u64 = 1 << 16;
+
+    /// Share `number` of `of`, counted from 1; `None` where the numbers are out of range.
+    pub fn new(number: u64, of: u64) -> Option<Share> {
+        ((1..=of).contains(&number) && of <= Share::MAX).then(|| Share { index: number - 1, of })
+    }
+
+    /// Number of this share, counted from 1.
+    pub fn number(&self) -> u64 {
+        self.index + 1
+    }
+
+    /// Number of shares.
+    pub fn of(&self) -> u64 {
+        self.of
+    }
+
+    /// Whether the share is the whole study.
+    pub fn is_whole(&self) -> bool {
+        self.of == 1
+    }
+
+    /// Its part of the first `trials` trials of a point, the `turn`th of the study. Points take turns, so that with few
+    /// trials of many points all shares get equally many.
+    pub fn trials(&self, trials: u64, turn: usize) -> Range<u64> {
+        let index = (self.index + turn as u64) % self.of;
+        let grain = (trials / self.of).max(1).ilog2().saturating_sub(GRAIN);
+        let start = |index: u64| match index {
+            index if index == self.of => trials,
+            index => {
+                ((u128::from(trials) * u128::from(index) / u128::from(self.of)) as u64) >> grain << grain
+            }
+        };
+        start(index)..start(index + 1)
+    }
+}
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "share {} of {}", self.number(), self.of)
+    }
+}
+
+/// The error for a text that names no share.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("expected I/N, share I of N, from 1/N to N/N with N up to {}", Share::MAX)]
+pub struct ShareError;
+
+impl FromStr for Share {
+    type Err = ShareError;
+
+    fn from_str(text: &str) -> Result<Share, ShareError> {
+        let (number, of) = text.split_once('/').ok_or(ShareError)?;
+        let number = number.parse().map_err(|_| ShareError)?;
+        Share::new(number, of.parse().map_err(|_| ShareError)?).ok_or(ShareError)
+    }
+}
 
 /// The probability whose quantile is reported: 99.73 %, three standard deviations of a normal distribution.
 pub const LEVEL: f64 = 0.9973;
@@ -224,7 +438,7 @@ fn bins_of_ranks<const N: usize>(filled: &[Filled], ranks: [f64; N]) -> [Option<
 /// `None` where that bound is too wide for the comparison to say anything.
 ///
 /// ```
-/// use sagnac_engine::tally::stats::z_score;
+/// use sagnac_engine::tally::z_score;
 ///
 /// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
 /// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
@@ -234,11 +448,167 @@ pub fn z_score(value: f64, theory: f64, se: f64, proven: f64) -> Option<f64> {
     (sigma > 0.0 && (proven <= se || proven <= 0.05 * theory)).then(|| (value - theory) / sigma)
 }
 
+/// The least and the greatest number of successes in 95 % of all cases, of `n` trials with success probability `p`; at
+/// most 2.5 % of the cases lie outside on either side.
+///
+/// The last result is cached, because it takes as long as thousands of trials, and most rows of a table have as many
+/// trials as the one before.
+pub(crate) fn central_interval(n: u64, p: f64) -> (u64, u64) {
+    thread_local! {
+        static LAST: Cell<((u64, f64), (u64, u64))> = const { Cell::new(((0, 0.0), (0, 0))) };
+    }
+    let (known, interval) = LAST.get();
+    if known == (n, p) {
+        return interval;
+    }
+    let interval = computed(n, p);
+    LAST.set(((n, p), interval));
+    interval
+}
+
+/// The 95 % interval of a probability after `successes` in `n` trials (Wilson).
+pub(crate) fn proportion_interval(successes: u64, n: u64) -> (f64, f64) {
+    let (part, n) = (successes as f64 / n as f64, n as f64);
+    let square = NORMAL_95 * NORMAL_95 / n;
+    let middle = part + 0.5 * square;
+    let half = libm::sqrt(square * (part * (1.0 - part) + 0.25 * square));
+    (((middle - half) / (1.0 + square)).max(0.0), ((middle + half) / (1.0 + square)).min(1.0))
+}
+
+fn computed(n: u64, p: f64) -> (u64, u64) {
+    let mean = n as f64 * p;
+    let sd = libm::sqrt(mean * (1.0 - p));
+    if mean > 10_000.0 {
+        let half = 1.959_963_985 * sd + 0.5;
+        return (libm::floor(mean - half) as u64, (libm::ceil(mean + half) as u64).min(n));
+    }
+    let log_factorial = |k: u64| libm::lgamma(k as f64 + 1.0);
+    let probability = |k: u64| {
+        let choose = log_factorial(n) - log_factorial(k) - log_factorial(n - k);
+        libm::exp(choose + k as f64 * libm::log(p) + (n - k) as f64 * libm::log1p(-p))
+    };
+    let (mut below, mut fewest) = (0.0, None);
+    for k in 0..=n {
+        below += probability(k);
+        if fewest.is_none() && below > 0.025 {
+            fewest = Some(k);
+        }
+        if below >= 0.975 {
+            return (fewest.unwrap_or(0), k);
+        }
+    }
+    (fewest.unwrap_or(0), n)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use sagnac_kernel::moments::{bin, level};
     use sagnac_kernel::word::Scalar;
+
+    #[test]
+    fn a_cover_is_the_range_itself_in_aligned_blocks() {
+        for (range, largest) in
+            [(0..1_000_000, 14), (5..6, 3), (1_000_000..10_000_000, 18), (7..7, 4), (3..1000, 26)]
+        {
+            let blocks = cover(range.clone(), largest);
+            let mut at = range.start;
+            for block in &blocks {
+                assert_eq!(block.first, at);
+                assert_eq!(block.first % block.trials(), 0, "{block:?} is not aligned");
+                assert!(block.log2 <= largest);
+                at = block.end();
+            }
+            assert_eq!(at, range.end.max(range.start));
+        }
+        assert_eq!(cover(0..1 << 20, 14).len(), 64);
+    }
+
+    #[test]
+    fn what_is_sampled_in_no_time_has_few_rows() {
+        assert_eq!(cover(0..100_000, row_log2(100_000, 1)).len(), 6);
+        assert_eq!(row_log2(100_000, 1 << 10), base_log2(100_000));
+        assert_eq!(row_log2(1 << 40, 1), base_log2(1 << 40));
+        assert_eq!(row_log2(1, 0), QUICK);
+    }
+
+    #[test]
+    fn folding_keeps_the_outermost_blocks_in_any_order() {
+        let block = |first, log2| (Block { first, log2 }, ());
+        let rows = vec![block(4, 1), block(0, 2), block(2, 1), block(8, 0), block(0, 0), block(4, 1)];
+        let kept: Vec<Block> = fold(rows).into_iter().map(|row| row.0).collect();
+        assert_eq!(kept, [block(0, 2).0, block(4, 1).0, block(8, 0).0]);
+    }
+
+    #[test]
+    fn what_is_missing_and_what_is_held_make_up_the_whole() {
+        let held = [Block { first: 4, log2: 2 }, Block { first: 4, log2: 1 }, Block { first: 16, log2: 0 }];
+        assert_eq!(missing(&held, 0..20), [0..4, 8..16, 17..20]);
+        assert_eq!(missing(&held, 0..6), [Range { start: 0, end: 4 }]);
+        assert_eq!(missing(&held, 2..12), [2..4, 8..12]);
+        assert_eq!(missing(&held, 5..8), []);
+        assert_eq!(missing(&held, 20..30), [Range { start: 20, end: 30 }]);
+        assert_eq!(missing(&[], 0..3), [Range { start: 0, end: 3 }]);
+        assert_eq!(missing(&cover(0..1000, 5), 0..1000), []);
+        assert_eq!(missing(&cover(0..2000, 5), 0..1000), []);
+    }
+
+    #[test]
+    fn a_study_of_many_trials_has_32_to_63_base_blocks_and_none_has_small_ones() {
+        for trials in [1 << 15, 100_000, 1_000_000, 1_000_000_000] {
+            let blocks = trials >> base_log2(trials);
+            assert!((32..64).contains(&blocks), "{trials} trials: {blocks}");
+        }
+        assert_eq!([1, 1000, (1 << 15) - 1].map(base_log2), [MIN_LOG2; 3]);
+        assert_eq!(base_log2(1 << 40), MAX_LOG2);
+    }
+
+    fn all(of: u64) -> impl Iterator<Item = Share> {
+        (1..=of).filter_map(move |number| Share::new(number, of))
+    }
+
+    #[test]
+    fn shares_are_disjoint_and_make_up_the_whole() {
+        for of in [1, 2, 7, 64, 1000] {
+            for trials in [1, 5, 63, 64, 1000, 1_000_000, (1 << 40) - 1] {
+                for turn in [0, 1, 100] {
+                    let mut parts: Vec<_> = all(of).map(|share| share.trials(trials, turn)).collect();
+                    parts.sort_by_key(|part| (part.start, part.end));
+                    let mut at = 0;
+                    for part in parts {
+                        assert_eq!(part.start, at, "{trials} trials in {of} shares");
+                        at = part.end;
+                    }
+                    assert_eq!(at, trials);
+                }
+            }
+        }
+        assert_eq!(Share::WHOLE.trials(1000, 3), 0..1000);
+    }
+
+    #[test]
+    fn shares_are_equal_but_for_an_eighth_and_points_take_turns() {
+        for of in [2, 7, 64] {
+            for share in all(of) {
+                let part = share.trials(1_000_000, 0);
+                let wanted = 1_000_000 / of;
+                assert!((part.end - part.start).abs_diff(wanted) <= wanted / 8, "{share}: {part:?}");
+                // With 3 trials per point.
+                let few: u64 =
+                    (0..of as usize).map(|turn| share.trials(3, turn)).map(|t| t.end - t.start).sum();
+                assert_eq!(few, 3);
+            }
+        }
+    }
+
+    #[test]
+    fn shares_are_written_as_i_of_n() {
+        assert_eq!("2/7".parse(), Ok(Share { index: 1, of: 7 }));
+        assert_eq!("2/7".parse::<Share>().unwrap().to_string(), "share 2 of 7");
+        for text in ["0/4", "5/4", "1/0", "1", "1/4/4", "a/b", "-1/4", "1/65537", "", "/"] {
+            assert_eq!(text.parse::<Share>(), Err(ShareError), "{text}");
+        }
+    }
 
     fn tally_of(errors: impl IntoIterator<Item = i32>, base: u32) -> Moments {
         let mut tally = Moments::empty(true);
