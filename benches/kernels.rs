@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use divan::counter::ItemsCount;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Trials;
 use sagnac::kernel::recipe::{Level, Recipe};

@@ -5,7 +5,7 @@
 
 use std::thread;
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::coefficient::Fit;
 use sagnac::fit::covariance::Covariance;

@@ -6,10 +6,10 @@ use crate::analysis::{
 use sagnac_base::quantity::unit::bare;
 use sagnac_base::table::About;
 use sagnac_base::table::column::abouts;
-use sagnac_engine::chart::file::Source;
+use sagnac_engine::chart::Source;
 use sagnac_engine::key::row::Key;
 use sagnac_engine::kinds::{KINDS, switched_run};
-use sagnac_engine::study::kind::Kind;
+use sagnac_engine::study::Kind;
 
 /// A file of results with columns.
 #[derive(Debug, Clone)]

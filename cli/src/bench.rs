@@ -2,11 +2,8 @@
 
 use std::time::Instant;
 
-use sagnac::device::cpu::Cpu;
-use sagnac::device::error::GpuError;
-use sagnac::device::load::Work;
 use sagnac::device::select::SelectError;
-use sagnac::device::{Device, Job};
+use sagnac::device::{Cpu, Device, GpuError, Job, Work};
 use sagnac::kernel::width::Width;
 use sagnac::tally::cover;
 use sagnac::verify::{Measured, measured};

@@ -1,8 +1,7 @@
 //! `sagnac device`: the devices that kernels run on.
 
 use clap::{Args, Subcommand};
-use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::unused::unused_card;
+use sagnac::device::gpu::adapter::{Adapter, unused_card};
 use sagnac::kernel::width::Width;
 
 use crate::bench::bench;

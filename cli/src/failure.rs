@@ -10,7 +10,7 @@ use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::whole::WholeError;
-use sagnac::device::error::GpuError;
+use sagnac::device::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::error::RecordError;
 use sagnac::run::{RESOLVED, RunError};

@@ -1,7 +1,7 @@
 //! Limits on the noise of logs and of the units of a batch, as options.
 
 use sagnac::analysis::requirement::{Limit, LimitError, Limited, applies, check};
-use sagnac::key::renamed::note;
+use sagnac::key::docs::note;
 use sagnac::record::log::channel::Log;
 
 use crate::failure::Failure;

@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::kinds::KINDS;
 use sagnac::store::folder::write_new;
-use sagnac::study::kind::Kind;
+use sagnac::study::Kind;
 
 use crate::failure::Failure;
 use crate::output::{print, unwritten};

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use clap::builder::TypedValueParser;
-use sagnac::kinds::keys;
+use sagnac::kinds;
 
 use crate::failure::Failure;
 use crate::output::print;
@@ -27,7 +27,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
         include_str!("../../schema/document.schema.json").to_owned()
     }
     one_of::<_, fn() -> String, 11>([
-        ("study", keys::schema),
+        ("study", kinds::schema),
         ("run", document),
         ("merge", document),
         ("design", document),

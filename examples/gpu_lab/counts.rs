@@ -1,6 +1,6 @@
 //! Part `counts`: the integer operations of each measured kernel.
 
-use sagnac::device::load::Work;
+use sagnac::device::Work;
 use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::recipe::CHUNK;

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::launch::MAX_STEPS;
 use sagnac::kernel::moments::Moments;
 use sagnac::kernel::shader::Variant;

@@ -19,7 +19,7 @@ mod lab;
 mod limit;
 mod values;
 
-use sagnac::device::load::Work;
+use sagnac::device::Work;
 use sagnac::kernel::launch::Launch;
 use sagnac::verify::measured;
 use serde_json::{Value, json};

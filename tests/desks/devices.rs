@@ -3,10 +3,9 @@
 
 use std::time::Instant;
 
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
 use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::adapter::Adapter;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
 use sagnac::kernel::shader::Variant;

@@ -3,8 +3,7 @@
 
 use std::path::Path;
 
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::gap_fill::GapFill;
 use sagnac::kinds::gap_fill::lower::Lowered;

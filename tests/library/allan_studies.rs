@@ -4,8 +4,7 @@ use std::path::Path;
 
 use crate::devices::{adapters, open};
 use crate::studies::{Row, parsed, rows};
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::curve::LoweredCurve;

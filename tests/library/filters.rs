@@ -1,8 +1,8 @@
 //! Filters that keep a heading: against a Kalman filter that runs step by step, against their own claims, and refusals.
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::width::Width;
-use sagnac::key::common::Streams;
+use sagnac::key::row::Streams;
 use sagnac::kinds::navigation::keys::Solution;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::noise_of;

@@ -1,8 +1,7 @@
 //! What is lowered fits: sums are exact however large the errors, and what cannot be represented is refused by name.
 
 use crate::studies::{papers_point, rows, run_afresh, study};
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::filler::{Filler, Method, Target};
 use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
@@ -13,7 +12,7 @@ use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
-use sagnac::key::refusal::Refusal;
+use sagnac::key::row::Refusal;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::verify::Configuration;

@@ -7,7 +7,7 @@ use crate::studies::{Silent, parsed, rows, run, run_afresh};
 use sagnac::progress::Progress;
 use sagnac::run::Plan;
 use sagnac::store::Store;
-use sagnac::study::precision::Precision;
+use sagnac::study::Precision;
 use sagnac::tally::Share;
 use sagnac::verify::select;
 

@@ -2,11 +2,9 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::width::Width;
-use sagnac::key::common::Streams;
-use sagnac::key::refusal::Refusal;
+use sagnac::key::row::{Refusal, Streams};
 use sagnac::kinds::relock::inputs::{Compensation, FirstHalf, Relock};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::verify::{named_relocks, relock};

@@ -3,7 +3,7 @@
 use crate::desk::{Desk, rows_of};
 use crate::fitted::{QNB, covers, is_identified, share};
 use crate::logs::{desk_with, noise};
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::coefficient::Fit;
 use sagnac::fit::curve::Curve;

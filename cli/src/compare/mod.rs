@@ -9,7 +9,7 @@ use sagnac::analysis::compare::limit::{RatioLimit, check};
 use sagnac::analysis::compare::logs::Analysis;
 use sagnac::analysis::page::of_comparison;
 use sagnac::analysis::requirement::LimitError;
-use sagnac::key::renamed::note;
+use sagnac::key::docs::note;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;

@@ -7,14 +7,10 @@ use std::sync::Arc;
 use miette::NamedSource;
 use toml::de::DeTable;
 
-use crate::key::holds::{Holds, measure};
-use crate::key::places::Places;
-use crate::key::reading::Reading;
-use crate::key::renamed;
-use crate::key::row::{Key, keys};
-use crate::key::setting::{self, Setting};
-use crate::key::sweep::Sweep;
-use crate::key::table::{Table, check};
+use crate::key::docs;
+use crate::key::document::{Places, Table, check};
+use crate::key::row::{Holds, Key, Reading, keys, measure};
+use crate::key::sweep::{self, Setting, Sweep};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity, round_12};
 use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};
@@ -461,7 +457,7 @@ pub(crate) fn coefficient_values(noise: &Noise) -> Vec<(&'static Key, Quantity)>
     let coefficient = |term: Term| {
         let key = term.row().key;
         let names = [key.to_owned(), format!("{key}.amplitude")];
-        let key = setting::keys(&SETTINGS).find(|key| names.iter().any(|name| name == key.name))?;
+        let key = sweep::keys(&SETTINGS).find(|key| names.iter().any(|name| name == key.name))?;
         let dimension = key.holds.measured()?.accepts.first()?;
         let [size, _] = noise.given(term);
         Some((key, Quantity::new(size, *dimension)))
@@ -575,7 +571,7 @@ impl Noise {
 /// The noise of a text, with notes on former names.
 fn parse(text: &str) -> Result<(Noise, Vec<String>), Fault> {
     let mut root = DeTable::parse(text).map_err(|error| Fault::from_syntax("the noise", &error))?;
-    let notes = renamed::replace(NOISE.name, root.get_mut());
+    let notes = docs::replace(NOISE.name, root.get_mut());
     let table = Table::root(NOISE.name, &root);
     check(&table, KEYS, &|_, _| None)?;
     if let Some(file) = table.get(&FILE) {

@@ -8,11 +8,10 @@ pub use crate::sampling::{Done, RunError, Tables};
 use crate::store::error::StoreError;
 #[cfg(feature = "store")]
 use crate::store::folder::{Folder, FolderError, Written};
-use crate::store::index::Index;
-use crate::store::{Identity, Store};
-use crate::study::Study;
+use crate::store::{Identity, Index, Store};
 #[cfg(feature = "store")]
-use crate::study::kept::INPUTS;
+use crate::study::INPUTS;
+use crate::study::Study;
 use crate::tally::{Id, Share};
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::source::diagnose::StudyError;

@@ -1,7 +1,7 @@
 //! The charts of `sagnac compare`.
 
 use sagnac_base::quantity::number::probability;
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::Deviation;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 

@@ -2,7 +2,7 @@
 
 use crate::analysis::compare::Ratio;
 use sagnac_base::quantity::number::probability;
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::Deviation;
 use sagnac_report::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 

@@ -2,9 +2,9 @@
 
 use crate::analysis::design::Measure;
 use sagnac_base::source::diagnose::StudyError;
-use sagnac_engine::device::error::GpuError;
-use sagnac_engine::key::refusal::Refusal;
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::device::GpuError;
+use sagnac_engine::key::row::Refusal;
+use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::study::Study;
 
 /// Why a design is not possible.

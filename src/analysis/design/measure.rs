@@ -1,6 +1,6 @@
 //! The quantity that a design minimizes.
 
-use sagnac_engine::key::holds::names;
+use sagnac_engine::key::row::names;
 
 names! {
     /// The quantity to minimize, as listed by `--by`.

@@ -2,8 +2,7 @@
 
 use crate::analysis::jackknife::PARTS;
 use sagnac_base::progress::Progress;
-use sagnac_engine::device::Job;
-use sagnac_engine::device::error::GpuError;
+use sagnac_engine::device::{GpuError, Job};
 use sagnac_engine::kinds::switched_run::lower::FilledRun;
 use sagnac_engine::sampling::Worker;
 use sagnac_engine::tally::Block;

@@ -1,7 +1,7 @@
 //! The variants of a study: the combinations of its swept keys other than the interval, each with its runs.
 
 use sagnac_engine::drift::INTERVAL;
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 
 /// The values of the swept keys other than the interval, in the order of the sweeps.

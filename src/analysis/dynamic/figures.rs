@@ -1,7 +1,7 @@
 //! The maps of `sagnac allan --dynamic`.
 
 use sagnac_base::quantity::number::significant;
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Point};
 use sagnac_report::chart::figure::Axis;
 use sagnac_report::chart::map::{Cells, Estimate, Layer, Map};

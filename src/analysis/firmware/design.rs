@@ -8,7 +8,7 @@ use sagnac_engine::chart::Chart;
 use sagnac_engine::filler::read::{Error, GAP_TICKS};
 use sagnac_engine::filler::{Fill, Filler, Method, Part, Target, latency_ticks};
 use sagnac_engine::key::row::Key;
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::kinds::gap_fill::inputs::Inputs;
 use sagnac_engine::kinds::gap_fill::judged::{Judge, Judged, of_noise, shift};

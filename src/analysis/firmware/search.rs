@@ -13,7 +13,7 @@ use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::{ColumnOf, columns_of};
 use sagnac_base::table::{Cell, Role, Table, Unit};
 use sagnac_engine::filler::{MINIMUM_VARIANCE, Target};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_engine::kinds::gap_fill::inputs::Inputs;
 use sagnac_engine::kinds::gap_fill::judged::{Judge, Size, deviation, of_noise, shift};
 use sagnac_engine::kinds::gap_fill::lower::weights::Statistics;

@@ -5,7 +5,7 @@ use crate::analysis::sensitivity::sobol::{Index, Indices};
 use crate::analysis::sensitivity::{LEVELS, SensitivityError};
 use sagnac_base::table::Unit;
 use sagnac_engine::key::sensitivity::Uncertain;
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Swept;
 
 /// The effect of one input.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,7 +5,7 @@ use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::{Dependence, Temperature};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Point, Unit};
 use sagnac_report::answer::reading::capitalized;
 use sagnac_report::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};

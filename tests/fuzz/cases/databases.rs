@@ -6,8 +6,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use rusqlite::Connection;
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::progress::Silent;
 use sagnac::run::Plan;

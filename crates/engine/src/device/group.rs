@@ -6,9 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::thread::{self, ScopedJoinHandle};
 use std::time::Instant;
 
-use crate::device::attempts::Attempts;
-use crate::device::error::GpuError;
-use crate::device::{Advance, Device, Job, Tallies};
+use crate::device::{Advance, Attempts, Device, GpuError, Job, Tallies};
 use crate::tally::cover;
 
 /// Devices that share work. Each works on a thread of its own and takes parts of the work that are as large as its measured
@@ -265,7 +263,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::device::cpu::Cpu;
+    use crate::device::Cpu;
     use sagnac_kernel::width::Width;
 
     /// Processors of one, two and so on threads.

@@ -9,11 +9,8 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use crate::key::given::Given;
-use crate::key::holds::{Holds, Word};
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::table::Table;
+use crate::key::document::{Given, Table};
+use crate::key::row::{Holds, Key, Reading, Word, keys};
 use crate::motion::keys::{AMPLITUDES, FREQUENCIES, Phase, RATES, band};
 use crate::motion::{Amplitude, Frequency, Motion, Tone, Value};
 use sagnac_base::quantity::units::{Dimension, round_12};
@@ -492,7 +489,7 @@ impl TickList {
 mod tests {
     use super::*;
     use crate::filler::read::FIT_TICKS;
-    use crate::key::table::Table;
+    use crate::key::document::Table;
 
     fn list(purpose: Purpose, items: &str) -> Result<TickList, Fault> {
         let text = format!("fit_ticks = [{items}]");

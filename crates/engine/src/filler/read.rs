@@ -6,10 +6,8 @@ use crate::filler::{
     self, CLOSED, FARTHEST, Filler, LISTED, MINIMUM_VARIANCE, Method, Purpose, Specification, Target,
     TickList, WEIGHTS, named,
 };
-use crate::key::given::Given;
-use crate::key::holds::{Holds, words};
-use crate::key::row::keys;
-use crate::key::table::Table;
+use crate::key::document::{Given, Table};
+use crate::key::row::{Holds, keys, words};
 use crate::motion::keys::{FREQUENCIES, band};
 use sagnac_base::source::diagnose::{Fault, choices};
 

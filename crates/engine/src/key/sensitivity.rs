@@ -4,12 +4,9 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::key::given::Given;
-use crate::key::holds::{Holds, Measure};
-use crate::key::row::{Key, keys};
-use crate::key::setting::Swept;
-use crate::key::sweep::{self, Sweep};
-use crate::key::table::Table;
+use crate::key::document::{Given, Table};
+use crate::key::row::{Holds, Key, Measure, keys};
+use crate::key::sweep::{self, Sweep, Swept};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::source::diagnose::Fault;
@@ -273,7 +270,7 @@ impl Written<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::holds::measure;
+    use crate::key::row::measure;
 
     static ANGLE: Key = Key {
         name: "gyro.angle",

@@ -1,19 +1,19 @@
 //! Sweeps: the values of one key from point to point.
 
 use std::collections::HashSet;
+use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
 
-use crate::key::given::Given;
-use crate::key::holds::Holds;
-use crate::key::row::{Key, keys};
-use crate::key::scale::Scale;
-use crate::key::setting::Swept;
-use crate::key::table::Table;
+use crate::key::document::{Given, Table};
+use crate::key::row::{Holds, Key, keys};
+use sagnac_base::quantity::unit::Written;
 use sagnac_base::quantity::units::Quantity;
+pub use sagnac_base::scale::Scale;
 use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::table::{Cell, Unit};
 
 keys! {
     /// The keys of sweeps.
@@ -83,7 +83,8 @@ pub(crate) fn read_all(
     let tables = study.get(&SWEEP).map(|given| given.items()).unwrap_or_default();
     for table in tables.iter().filter_map(Given::table) {
         let name = table.needed(&KEY)?;
-        let sweep = Written { key: find(name, keys, sweepable, ["sweep", "swept"])?, name, table }.read()?;
+        let sweep =
+            WrittenSweep { key: find(name, keys, sweepable, ["sweep", "swept"])?, name, table }.read()?;
         let target = target(sweep.key, keys);
         if let Some(earlier) = sweeps.iter().find(|earlier| self::target(earlier.key, keys) == target) {
             let message = format!("{} is swept although {} is already", sweep.key.name, earlier.key.name);
@@ -176,14 +177,14 @@ pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str
 }
 
 /// A sweep as written.
-struct Written<'a> {
+struct WrittenSweep<'a> {
     key: &'static Key,
     /// The name of the key.
     name: Given<'a>,
     table: Table<'a>,
 }
 
-impl Written<'_> {
+impl WrittenSweep<'_> {
     fn read(&self) -> Result<Sweep, Fault> {
         let [list, linear, log] = [&LIST, &LINEAR, &LOG].map(|key| self.table.get(key));
         if self.key.is_name() {
@@ -353,4 +354,120 @@ impl Written<'_> {
         let message = format!("the sweep over {} mixes {wanted} and {found}", self.key.name);
         Err(at.fault(message, found, format!("write {wanted}, like the first value")))
     }
+}
+
+/// A key that sets a number among inputs `I`.
+pub(crate) struct Setting<I: 'static> {
+    pub(crate) key: &'static Key,
+    /// Whether the key applies to given inputs.
+    pub(crate) applies: fn(&I) -> bool,
+    pub(crate) set: fn(&mut I, Quantity),
+}
+
+impl<I> Setting<I> {
+    /// A setting that applies to all inputs.
+    pub(crate) const fn new(key: &'static Key, set: fn(&mut I, Quantity)) -> Setting<I> {
+        Setting { key, applies: |_| true, set }
+    }
+
+    /// A setting that applies only to some inputs.
+    pub(crate) const fn of(
+        key: &'static Key,
+        applies: fn(&I) -> bool,
+        set: fn(&mut I, Quantity),
+    ) -> Setting<I> {
+        Setting { key, applies, set }
+    }
+}
+
+/// Refuses a sweep over a key that does not apply to the inputs; `what` names the part that lacks it, such as `the
+/// motion`.
+pub(crate) fn check_applies<I>(
+    sweep: &Sweep,
+    inputs: &I,
+    settings: &[Setting<I>],
+    what: &str,
+) -> Result<(), Fault> {
+    let (applying, other): (Vec<_>, Vec<_>) = settings.iter().partition(|setting| (setting.applies)(inputs));
+    if other.iter().all(|setting| setting.key.name != sweep.key.name) {
+        return Ok(());
+    }
+    let message = format!("{} is swept, but {what} has none", sweep.key.name);
+    let applying: Vec<&str> = applying.iter().map(|setting| setting.key.name).collect();
+    Err(sweep.fault(message, "not in this study", format!("this study has {}", applying.join(", "))))
+}
+
+/// A value of a swept key at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Swept {
+    /// A quantity with its dimension.
+    Quantity(Quantity),
+    /// A name, or the name of a file without folders and ending.
+    Name(String),
+}
+
+impl Swept {
+    /// The quantity, where the value is one.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Swept::Quantity(quantity) => Some(*quantity),
+            Swept::Name(_) => None,
+        }
+    }
+
+    /// The value as a cell of a table.
+    pub fn cell(&self) -> Cell {
+        match self {
+            Swept::Quantity(quantity) => (*quantity).into(),
+            Swept::Name(name) => Cell::Text(name.clone()),
+        }
+    }
+
+    /// The unit in which it is written.
+    pub(crate) fn written(&self) -> Option<Written> {
+        self.quantity()?.written
+    }
+
+    /// The unit in which tables show it.
+    pub fn unit(&self) -> Unit {
+        self.quantity().map_or(Unit::NONE, |quantity| quantity.dimension.unit())
+    }
+}
+
+impl fmt::Display for Swept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Swept::Quantity(quantity) => quantity.fmt(f),
+            Swept::Name(name) => name.fmt(f),
+        }
+    }
+}
+
+/// The keys that some settings set.
+pub(crate) fn keys<I>(settings: &[Setting<I>]) -> impl Iterator<Item = &'static Key> {
+    settings.iter().map(|setting| setting.key)
+}
+
+/// The name among the swept values that belongs to this key.
+pub(crate) fn named<'s>(swept: &'s [(&'static str, Swept)], key: &Key) -> Option<&'s str> {
+    swept.iter().find_map(|(name, value)| match value {
+        Swept::Name(named) if *name == key.name => Some(named.as_str()),
+        _ => None,
+    })
+}
+
+/// Sets the swept quantities in `inputs`.
+pub(crate) fn set<I>(inputs: &mut I, settings: &[Setting<I>], swept: &[(&'static str, Swept)]) {
+    for (name, value) in swept {
+        let setting = settings.iter().find(|setting| setting.key.name == *name);
+        if let (Some(setting), Some(quantity)) = (setting, value.quantity()) {
+            (setting.set)(inputs, quantity);
+        }
+    }
+}
+
+/// The scale as written, or the default.
+pub(crate) fn scale_of(given: Option<Given>) -> Scale {
+    let named = |given: Given| Scale::ALL.into_iter().find(|known| known.name() == given.text());
+    given.and_then(named).unwrap_or_default()
 }

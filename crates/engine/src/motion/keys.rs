@@ -2,12 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::key::given::Given;
-use crate::key::holds::{Holds, measure, unlimited, words};
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting::{Setting, Swept, named as swept_name};
-use crate::key::table::Table;
+use crate::key::document::{Given, Table};
+use crate::key::row::{Holds, Key, Reading, keys, measure, unlimited, words};
+use crate::key::sweep::{Setting, Swept, named as swept_name};
 use crate::motion::{
     self, Acceleration, Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value, Vibration,
 };
@@ -564,7 +561,7 @@ impl SuspensionKeys {
             return Err(modes.fault(message, label, format!("accepted: 1 to {MAX_MODES} modes")));
         }
         let mode = |table| {
-            let value = |key| crate::key::table::Table::needed(&table, key)?.quantity().map(|q| q.value);
+            let value = |key| crate::key::document::Table::needed(&table, key)?.quantity().map(|q| q.value);
             let [frequency, q, response] = self.mode;
             Ok(Mode { frequency_hz: value(frequency)?, q: value(q)?, response: value(response)? })
         };

@@ -11,11 +11,10 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::device::Job;
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::sampling::{Done, Found, RunError, Worker};
 use crate::store::error::StoreError;
-use crate::store::index::Index;
-use crate::store::{Address, Provenance, Row, Store, Tally};
+use crate::store::{Address, Index, Provenance, Row, Store, Tally};
 use crate::tally::{Block, Share, base_log2, cover, fold, missing};
 use sagnac_base::progress::Progress;
 use sagnac_kernel::curve::Recorded;

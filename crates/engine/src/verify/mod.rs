@@ -4,7 +4,7 @@
 //! let mut kernels = Vec::new();
 //! let identical = sagnac_engine::verify::verify(&mut [], 1000, |verdict| kernels.push(verdict.kernel))?;
 //! assert!(identical && kernels.contains(&"gap_fill"));
-//! # Ok::<(), sagnac_engine::device::error::GpuError>(())
+//! # Ok::<(), sagnac_engine::device::GpuError>(())
 //! ```
 
 #[cfg(test)]
@@ -14,11 +14,8 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::device::cpu::Cpu;
-use crate::device::error::GpuError;
-use crate::device::load::{Load, Work};
 use crate::device::select::{self, SelectError, Selection, SelfTest};
-use crate::device::{Device, Job};
+use crate::device::{Cpu, Device, GpuError, Job, Load, Work};
 use crate::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use crate::kinds::gap_fill::verify::configurations;
 use crate::kinds::lock_in::verify::{checked, lowered};

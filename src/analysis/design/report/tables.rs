@@ -10,7 +10,7 @@ use sagnac_base::table::{Cell, Column, ColumnOf, Role, Table, Unit};
 use sagnac_engine::chart::{Chart, Shows};
 use sagnac_engine::filler::{FILLERS, LISTED};
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::kinds::table::table as table_of;
+use sagnac_engine::kinds::plan::table as table_of;
 use sagnac_report::chart::figure::{Figure, Mark, Shape};
 use sagnac_report::chart::notes::ChartError;
 

@@ -3,7 +3,7 @@
 use crate::kinds::allan::point::Point;
 use crate::kinds::allan::run::coefficients::Found;
 use crate::kinds::allan::run::curves::Scatter;
-use crate::kinds::table::Values;
+use crate::kinds::plan::Values;
 use crate::tally::{NORMAL_95, z_score};
 use sagnac_base::table::column::Band;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit, Usual};

@@ -1,8 +1,7 @@
 //! Reading of `[allan]`: averaging times, estimator and fitted terms.
 
-use crate::key::given::Given;
-use crate::key::holds::{Holds, unlimited};
-use crate::key::table::Table;
+use crate::key::document::{Given, Table};
+use crate::key::row::{Holds, unlimited};
 use crate::kinds::allan::keys::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap, TAU};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, choices};

@@ -1,8 +1,7 @@
 //! The keys of `[record]` and `[allan]`, with their settings.
 
-use crate::key::holds::{Holds, measure, words};
-use crate::key::row::keys;
-use crate::key::setting::Setting;
+use crate::key::row::{Holds, keys, measure, words};
+use crate::key::sweep::Setting;
 use crate::kinds::allan::point::Inputs;
 use sagnac_base::quantity::units::Dimension;
 

@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::{Ground, Text};
+use crate::chart::{Ground, Source, Text};
 use crate::key::row::Key;
 use crate::kinds::allan::{Allan, columns, keys, parts, read, run, sweepable};
 use crate::noise::values;
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, ROW, Subject};
-use crate::study::part::Dissected;
+use crate::study::{Dissected, Kind, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::table::column::abouts;

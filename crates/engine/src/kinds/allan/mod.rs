@@ -14,9 +14,8 @@ pub mod verify;
 
 pub use crate::kinds::allan::point::{Inputs, Point};
 
-use crate::key::reading::Reading;
-use crate::key::row::Key;
-use crate::key::setting;
+use crate::key::row::{Key, Reading};
+use crate::key::sweep;
 use crate::noise::{self, FILE, Noise, WrittenNoise, swept_files};
 use sagnac_base::source::diagnose::Wrong;
 use sagnac_records::fit::choose::Terms;
@@ -41,7 +40,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&keys::SETTINGS).chain(setting::keys(&noise::SETTINGS)).chain([&FILE]).collect()
+    sweep::keys(&keys::SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.

@@ -2,7 +2,7 @@
 
 use crate::kinds::allan::point::{Inputs, Point};
 use crate::noise::Noise;
-use crate::study::part::{self, Part};
+use crate::study::{self, Part};
 use sagnac_theory::allan::terms::Term;
 
 /// The parts besides the terms of the noise.
@@ -15,7 +15,7 @@ static OTHERS: [Part<Noise>; 3] = [
 /// A point as it is, and without each term of its noise and each other part in turn.
 pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
     let noise = &point.inputs.noise;
-    let (mut names, mut noises) = part::points(noise, &OTHERS);
+    let (mut names, mut noises) = study::points(noise, &OTHERS);
     for term in Term::EVERY.into_iter().filter(|term| noise.has(*term)) {
         let without = noise.without(term);
         // An angle random walk by lock-in alone is the part above.

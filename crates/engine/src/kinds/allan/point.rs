@@ -1,8 +1,7 @@
 //! Points of a study of Allan curves, each checked as a whole.
 
-use crate::key::places::Places;
-use crate::key::setting::{self, Swept};
-use crate::key::sweep::{self, Sweep, selected};
+use crate::key::document::Places;
+use crate::key::sweep::{self, Sweep, Swept, selected};
 use crate::kinds::allan::estimate::Estimate;
 use crate::kinds::allan::keys::{RATE, SETTINGS};
 use crate::kinds::allan::lower::MAX_SAMPLES;
@@ -75,7 +74,7 @@ impl Base<'_> {
                 return Err(sweep.fault(message, "no effect", help));
             }
             for noise in noises {
-                setting::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
+                sweep::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
             }
         }
         Ok(())
@@ -99,8 +98,8 @@ impl Base<'_> {
         if let Some(noise) = selected(&self.files, &FILE, self.sweeps, &swept) {
             inputs.noise = noise.clone();
         }
-        setting::set(&mut inputs, &SETTINGS, &swept);
-        setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        sweep::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
         let ms = self.factors(&inputs, &swept)?;
         Ok(Point { swept, inputs, ms })

@@ -1,7 +1,7 @@
 //! Simulated records of a fit: its estimates in other records of the same gyro.
 
-use crate::device::cpu::Cpu;
-use crate::key::refusal::Refusal;
+use crate::device::Cpu;
+use crate::key::row::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::tally::Id;
 use sagnac_records::fit::coefficient::Fit;

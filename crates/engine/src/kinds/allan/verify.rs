@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::device::load::{Load, Work};
-use crate::key::refusal::Refusal;
+use crate::device::{Load, Work};
+use crate::key::row::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 use sagnac_theory::allan::part::Part;

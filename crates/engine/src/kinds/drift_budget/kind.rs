@@ -2,17 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::Ground;
+use crate::chart::{Ground, Source};
 use crate::kinds::drift_budget::columns::{self, Row};
 use crate::kinds::drift_budget::parts::PARTS;
 use crate::kinds::drift_budget::{DriftBudget, Point, keys, read, sweepable};
-use crate::kinds::exact::Exact;
-use crate::kinds::table::table;
+use crate::kinds::plan::{Exact, table};
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
-use crate::study::part::{self, Dissected};
+use crate::study::{self, Dissected, Kind, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::column::abouts;
@@ -44,7 +40,7 @@ impl Subject for DriftBudget {
 
     fn dissected(&self, point: usize) -> Option<Dissected> {
         let point = self.points.get(point)?;
-        let (parts, drifts) = part::points(&point.drift, &PARTS);
+        let (parts, drifts) = study::points(&point.drift, &PARTS);
         let points = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
         Some(Dissected { parts, subject: Arc::new(DriftBudget { points }) })
     }

@@ -5,10 +5,8 @@ pub(crate) mod kind;
 pub(crate) mod parts;
 
 use crate::drift::{self, Drift, END, End, RESIDUAL_MAX, SCHEDULE_SETTINGS, Schedule};
-use crate::key::reading::Reading;
-use crate::key::row::Key;
-use crate::key::setting::{self, Swept};
-use crate::key::sweep;
+use crate::key::row::{Key, Reading};
+use crate::key::sweep::{self, Swept};
 use sagnac_base::source::diagnose::{Fault, Wrong};
 
 /// The part of a study that is specific to the drift budget.
@@ -36,7 +34,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    let settings = setting::keys(&drift::SETTINGS).chain(setting::keys(&SCHEDULE_SETTINGS));
+    let settings = sweep::keys(&drift::SETTINGS).chain(sweep::keys(&SCHEDULE_SETTINGS));
     settings.filter(|key| keys().iter().any(|known| known.name == key.name)).collect()
 }
 
@@ -49,8 +47,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
     schedule.end = End::of(reading.get(&END));
     let point = |swept: Vec<_>| {
         let (mut drift, mut schedule) = (drift.clone(), schedule);
-        setting::set(&mut drift, &drift::SETTINGS, &swept);
-        setting::set(&mut schedule, &SCHEDULE_SETTINGS, &swept);
+        sweep::set(&mut drift, &drift::SETTINGS, &swept);
+        sweep::set(&mut schedule, &SCHEDULE_SETTINGS, &swept);
         schedule.check(&reading.places)?;
         Ok(Point { swept, drift, schedule })
     };

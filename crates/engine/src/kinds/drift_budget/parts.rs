@@ -1,7 +1,7 @@
 //! The parts of a drift budget.
 
 use crate::drift::Drift;
-use crate::study::part::Part;
+use crate::study::Part;
 
 /// All parts.
 pub(crate) static PARTS: [Part<Drift>; 3] = [

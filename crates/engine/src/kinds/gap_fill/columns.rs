@@ -1,6 +1,6 @@
 //! The columns of a gap-fill study, with a row for each point, filler and error.
 
-use crate::chart::law::Law;
+use crate::chart::Law;
 use crate::filler::{FILLERS, Filler, LISTED};
 use crate::kinds::gap_fill::lower::Theory;
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};

@@ -1,11 +1,10 @@
 //! The keys specific to gap-fill studies, and the settings of their inputs except the motion.
 
 use crate::filler::read::GAP_TICKS;
-use crate::key::holds::{Holds, measure};
-use crate::key::row::keys;
-use crate::key::setting::Setting;
+use crate::key::row::{Holds, keys, measure};
+use crate::key::sweep::Setting;
+use crate::kinds::TICK;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::kinds::gyro::TICK;
 use sagnac_base::quantity::units::Dimension;
 
 const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");

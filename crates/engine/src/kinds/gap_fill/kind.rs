@@ -2,16 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::{Ground, Text};
+use crate::chart::{Ground, Source, Text};
 use crate::filler::read::Error;
 use crate::kinds::gap_fill::run::proven::Proven;
 use crate::kinds::gap_fill::{GapFill, columns, keys, parts, read, run, sweepable};
 use crate::kinds::plan::PointsPlan;
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, ROW, Subject};
-use crate::study::part::Dissected;
+use crate::study::{Dissected, Kind, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::column::abouts;

@@ -1,6 +1,6 @@
 //! The values of the laws of gap fillers.
 
-use crate::chart::law::Law;
+use crate::chart::Law;
 use crate::filler::read::Error;
 use crate::filler::{Closed, Filler, Method};
 use crate::kinds::gap_fill::inputs::Inputs;

@@ -23,15 +23,13 @@ use crate::filler::read::{
     ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH, Written,
 };
 use crate::filler::{self, Filler, Method, Purpose, Target, TickList};
-use crate::key::given::Given;
-use crate::key::precision::{self, PRECISION};
-use crate::key::reading::Reading;
-use crate::key::row::Key;
-use crate::key::setting;
+use crate::key::document::Given;
+use crate::key::row::{self, Key, PRECISION, Reading};
+use crate::key::sweep;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::keys::{RELOCK, SETTINGS, TICK_NOISE};
 use crate::kinds::gap_fill::point::Point;
-use crate::kinds::{gap_fill, gyro};
+use crate::kinds::{self, gap_fill};
 use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
 use crate::motion::{self, Profile};
 use crate::noise;
@@ -60,13 +58,13 @@ impl GapFill {
 
 /// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
-    [gap_fill::keys::KEYS, gyro::KEYS, motion::keys::KEYS, filler::KEYS, filler::read::KEYS, noise::KEYS]
+    [gap_fill::keys::KEYS, kinds::KEYS, motion::keys::KEYS, filler::KEYS, filler::read::KEYS, noise::KEYS]
         .concat()
 }
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [precision::KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
+    [row::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
 }
 
 /// The keys that can be swept.
@@ -74,7 +72,7 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
     // The gap comes last, as it does in a study.
     let [gyro @ .., gap] = &SETTINGS;
     let gyro = gyro.iter().map(|setting| setting.key);
-    gyro.chain(setting::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
+    gyro.chain(sweep::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -92,7 +90,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
             let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
             return Err(sweep.fault(message, "a second noise", "leave one of them out").into());
         }
-        setting::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
+        sweep::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
         if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
             let message = "motion.suspension.gyro is swept, but the motion has no suspension";
             let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
@@ -112,8 +110,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     reading.notes.extend(notes::of_motion(&inputs, &points));
     reading.notes.extend(judged::note(&points, &fillers));
     reading.notes.extend(between::note(&points, &fillers));
-    reading.precision = precision::read(&reading.table)?;
-    reading.notes.extend(reading.precision.as_ref().and_then(precision::finer_than_bins));
+    reading.precision = row::read(&reading.table)?;
+    reading.notes.extend(reading.precision.as_ref().and_then(row::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
         (&reading.precision, reading.get(&PRECISION), &inputs.motion.profile)
     {

@@ -1,11 +1,11 @@
 //! The noise of a gap-fill study from `[noise]`: the parts that matter over a gap, and those that do not.
 
 use crate::filler::read::GAP_TICKS;
-use crate::key::reading::Reading;
+use crate::key::row::Reading;
 use crate::key::sweep::Sweep;
+use crate::kinds::TICK;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::keys::{GYRO, READOUT_LSB, TICK_NOISE};
-use crate::kinds::gyro::TICK;
 use crate::noise::{self, NOISE, Noise};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::round_12;

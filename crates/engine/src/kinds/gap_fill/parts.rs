@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::Motion;
-use crate::study::part::{self, Part};
+use crate::study::{self, Part};
 
 /// All parts, each of which adds to the ticks.
 pub(crate) static PARTS: [Part<Inputs>; 4] = [
@@ -23,7 +23,7 @@ fn rest(inputs: &mut Inputs) {
 
 /// A point as it is, and without each of its parts in turn; its fillers keep their weights.
 pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
-    let (names, inputs) = part::points(&point.inputs, &PARTS);
+    let (names, inputs) = study::points(&point.inputs, &PARTS);
     let design = point.design.clone().or_else(|| Some(Box::new(point.inputs.clone())));
     let of = |inputs: Inputs| Point { inputs, design: design.clone(), ..point.clone() };
     (names, inputs.into_iter().map(of).collect())

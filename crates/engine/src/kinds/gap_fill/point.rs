@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use crate::filler::read::{Extrapolation, Written};
 use crate::filler::{Fill, Method, Target, TickList};
-use crate::key::places::Places;
-use crate::key::setting::{self, Swept};
-use crate::key::sweep::{self, Sweep};
+use crate::key::document::Places;
+use crate::key::sweep::{self, Sweep, Swept};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::keys::{NOISE_RANDOM_WALK, SETTINGS};
 use crate::motion::keys::Design;
@@ -112,8 +111,8 @@ impl Base<'_> {
         known: &mut HashMap<u32, Arc<[Fill]>>,
     ) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        setting::set(&mut inputs, &SETTINGS, &swept);
-        setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        sweep::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
         if let Some(mut vibration) = inputs.motion.vibration.clone() {
             vibration.suspension = motion::KEYS.swept(&swept).unwrap_or(vibration.suspension);
             vibration.check(inputs.tick_s, MAX_TICK_RATES, self.places)?;

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::device::load::Load;
+use crate::device::Load;
 use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::common::Streams;
-use crate::key::refusal::Refusal;
+use crate::key::row::{Refusal, Streams};
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;

@@ -1,8 +1,7 @@
 //! The inputs of a gyro with lock-in, and their keys.
 
-use crate::key::holds::{Holds, measure, words};
-use crate::key::row::keys;
-use crate::key::setting::Setting;
+use crate::key::row::{Holds, keys, measure, words};
+use crate::key::sweep::Setting;
 use crate::motion::Motion;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_theory::lock_in::LockIn;

@@ -2,16 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::Ground;
+use crate::chart::{Ground, Source};
 use crate::kinds::allan::columns::coefficient_columns;
 use crate::kinds::allan::kind::coefficients;
 use crate::kinds::lock_in::parts::PARTS;
 use crate::kinds::lock_in::{LockInStudy, Point, columns, keys, read, run, sweepable};
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, ROW, Subject};
-use crate::study::part::{self, Dissected};
+use crate::study::{self, Dissected, Kind, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::column::abouts;
@@ -47,7 +44,7 @@ impl Subject for LockInStudy {
 
     fn dissected(&self, point: usize) -> Option<Dissected> {
         let Point { swept, inputs, times } = self.points.get(point)?;
-        let (parts, inputs) = part::points(inputs, &PARTS);
+        let (parts, inputs) = study::points(inputs, &PARTS);
         let of = |inputs| Point { swept: swept.clone(), inputs, times: times.clone() };
         let points = inputs.into_iter().map(of).collect();
         Some(Dissected { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })

@@ -13,10 +13,8 @@ pub mod verify;
 
 pub use crate::kinds::lock_in::inputs::{Dither, Inputs, Readout};
 
-use crate::key::reading::Reading;
-use crate::key::row::Key;
-use crate::key::setting::{self, Swept};
-use crate::key::sweep;
+use crate::key::row::{Key, Reading};
+use crate::key::sweep::{self, Swept};
 use crate::kinds::allan;
 use crate::kinds::lock_in::inputs::{DITHER, KEYS, READOUT, SETTINGS};
 use crate::kinds::lock_in::point::Times;
@@ -53,7 +51,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&SETTINGS).chain(setting::keys(&motion::SETTINGS)).collect()
+    sweep::keys(&SETTINGS).chain(sweep::keys(&motion::SETTINGS)).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -76,8 +74,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<LockInStudy, Wrong> {
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&READOUT, &allan::keys::TAU]);
     for sweep in reading.sweeps {
-        setting::check_applies(sweep, &inputs, &SETTINGS, "the study without [dither]")?;
-        setting::check_applies(sweep, &inputs, &motion::SETTINGS, "the motion")?;
+        sweep::check_applies(sweep, &inputs, &SETTINGS, "the study without [dither]")?;
+        sweep::check_applies(sweep, &inputs, &motion::SETTINGS, "the motion")?;
     }
     let keys = [&allan::keys::TAU, &allan::keys::FIT];
     let taus = keys.iter().any(|key| reading.get(key).is_some());
@@ -91,8 +89,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<LockInStudy, Wrong> {
     let mut points = Vec::new();
     for swept in sweep::points(reading.sweeps) {
         let mut inputs = inputs.clone();
-        setting::set(&mut inputs, &SETTINGS, &swept);
-        setting::set(&mut inputs, &motion::SETTINGS, &swept);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        sweep::set(&mut inputs, &motion::SETTINGS, &swept);
         let times =
             point::check(&inputs, taus.then_some(&estimate.taus), estimate.estimator, &reading.places)?;
         points.push(Point { swept, inputs, times });

@@ -2,10 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::key::reading::Reading;
-use crate::key::refusal::{Refusal, shown};
-use crate::key::row::Key;
-use crate::key::setting::Setting;
+use crate::key::row::{Key, Reading, Refusal, shown};
+use crate::key::sweep::Setting;
 use crate::kinds::lock_in::Inputs;
 use crate::motion::keys::{
     AMPLITUDE, FREQUENCY, INTERPOLATION, MOTION, OF_SEVERAL, PHASE, PROFILE, PROFILE_FILE, Phase, TONES,

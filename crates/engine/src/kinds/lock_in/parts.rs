@@ -1,7 +1,7 @@
 //! The parts of the error of a gyro with lock-in.
 
 use crate::kinds::lock_in::inputs::{Dither, Inputs};
-use crate::study::part::Part;
+use crate::study::Part;
 
 /// All parts. The threshold has no value without lock-in, so a negligible one takes its place.
 pub(crate) static PARTS: [Part<Inputs>; 5] = [

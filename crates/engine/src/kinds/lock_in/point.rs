@@ -1,6 +1,6 @@
 //! Points of a study of lock-in, each checked as a whole.
 
-use crate::key::places::Places;
+use crate::key::document::Places;
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::lock_in::inputs::{DITHER_RATE, FREQUENCY, LENGTH, SAMPLE, THRESHOLD};
 use crate::kinds::lock_in::{Inputs, Readout};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::allan::columns::{CoefficientRow, coefficient_columns};
 use crate::kinds::allan::run::coefficients::Found;
 use crate::kinds::allan::run::{check_fit, geometry};
@@ -11,12 +11,11 @@ use crate::kinds::lock_in::lower::Gyros;
 use crate::kinds::lock_in::lower::theory::{self, Zone};
 use crate::kinds::lock_in::point::Times;
 use crate::kinds::lock_in::{LockInStudy, Point};
-use crate::kinds::table::table;
+use crate::kinds::plan::table;
 use crate::sampling::batches::{Records, Wanted, held_by_all};
 use crate::sampling::{self, Done, RunError, Tables, Worker};
-use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::store::index::Index;
+use crate::store::{Index, Store};
 use crate::study::Study;
 use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::device::load::{Load, Work};
-use crate::key::common::Streams;
+use crate::device::{Load, Work};
+use crate::key::row::Streams;
 use crate::kinds::lock_in::lower::Gyros;
 use crate::kinds::lock_in::point::Times;
 use crate::kinds::lock_in::{Dither, Inputs, Point, Readout};

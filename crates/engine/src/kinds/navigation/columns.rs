@@ -1,6 +1,6 @@
 //! The columns of a study of navigation, with a row for each point.
 
-use crate::chart::law::Law;
+use crate::chart::Law;
 use crate::kinds::navigation::claims::claims;
 use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::point::Point;

@@ -7,7 +7,7 @@ use miette::NamedSource;
 use serde::de::{Deserialize, Deserializer, Error};
 use serde_json::value::RawValue;
 
-use crate::key::reading::Reading;
+use crate::key::row::Reading;
 use crate::kinds::navigation::keys::FILTER;
 use sagnac_base::source::diagnose::{Fault, Text, Wrong};
 use sagnac_base::source::text_file::{Files, MAX_TOML};

@@ -2,17 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::Ground;
+use crate::chart::{Ground, Source};
 use crate::key::row::Key;
 use crate::kinds::navigation::columns::{self, LAWS, OF_FILTERS};
 use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::{Navigation, keys, parts, read, run, sweepable};
 use crate::noise::values;
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
-use crate::study::part::Dissected;
+use crate::study::{Dissected, Kind, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::table::column::abouts;

@@ -14,10 +14,9 @@ pub mod verify;
 pub use crate::kinds::navigation::point::{Inputs, Point};
 pub use crate::noise::{Noise, Switching};
 
-use crate::key::reading::Reading;
-use crate::key::row::Key;
+use crate::key::row::{Key, Reading};
 use crate::key::sensitivity::{self, Uncertain};
-use crate::key::setting;
+use crate::key::sweep;
 use crate::kinds::navigation::keys::{
     ALIGNMENT, CALIBRATION, COURSE, DRAWS, DURATION, FILTER, LATITUDE, NAVIGATION, SAMPLE, SETTINGS,
     SOLUTION, SPEED, Solution,
@@ -54,7 +53,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&SETTINGS).chain(setting::keys(&noise::SETTINGS)).chain([&FILE, &FILTER]).collect()
+    sweep::keys(&SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE, &FILTER]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.

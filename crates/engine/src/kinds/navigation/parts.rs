@@ -2,7 +2,7 @@
 
 use crate::kinds::navigation::point::{Inputs, Point};
 use crate::noise::{Noise, Switching};
-use crate::study::part::Part;
+use crate::study::Part;
 use sagnac_theory::allan::terms::Term;
 
 /// The parts besides the terms of the noise.

@@ -1,8 +1,7 @@
 //! Points of a study of navigation, each checked as a whole.
 
-use crate::key::places::Places;
-use crate::key::setting::{self, Swept};
-use crate::key::sweep::{self, Sweep, selected};
+use crate::key::document::Places;
+use crate::key::sweep::{self, Sweep, Swept, selected};
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::keys::{FILTER, SETTINGS, Solution};
 use crate::kinds::navigation::parts::Lack;
@@ -158,7 +157,7 @@ impl Base<'_> {
     pub(crate) fn check_sweeps(&self) -> Result<(), Fault> {
         for sweep in self.sweeps {
             for noise in self.noises() {
-                setting::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
+                sweep::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
             }
         }
         Ok(())
@@ -180,8 +179,8 @@ impl Base<'_> {
         if let Some(model) = selected(&self.filters, &FILTER, self.sweeps, &swept) {
             inputs.filter = Some(model.clone());
         }
-        setting::set(&mut inputs, &SETTINGS, &swept);
-        setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        sweep::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
         Ok(Point { swept, inputs, lack: None })
     }

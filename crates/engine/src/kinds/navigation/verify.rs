@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::device::load::{Load, Work};
-use crate::key::common::Streams;
+use crate::device::{Load, Work};
+use crate::key::row::Streams;
 use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::lower::Lowered;
 use crate::kinds::navigation::{Inputs, Navigation, Point};

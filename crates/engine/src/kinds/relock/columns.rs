@@ -1,6 +1,6 @@
 //! The columns of a relock study, with a row for each point, compensation and tick, and one for all ticks together.
 
-use crate::chart::law::Law;
+use crate::chart::Law;
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::RelockEstimate;
 use crate::kinds::relock::{RelockInputs, RelockPoint};

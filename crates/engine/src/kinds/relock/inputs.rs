@@ -1,9 +1,7 @@
 //! The path-length control loop after a mode switch: its inputs and their keys, for every kind of study that uses it.
 
-use crate::key::holds::{Holds, measure, unlimited, words};
-use crate::key::reading::Reading;
-use crate::key::row::keys;
-use crate::key::setting::Setting;
+use crate::key::row::{Holds, Reading, keys, measure, unlimited, words};
+use crate::key::sweep::Setting;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::Fault;
 use sagnac_kernel::normal::REACH;

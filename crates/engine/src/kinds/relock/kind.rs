@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::{Ground, Text};
-use crate::chart::law::Law;
+use crate::chart::{Ground, Law, Source, Text};
 use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock::columns::{self, ALL_TICKS};
 use crate::kinds::relock::inputs::Compensation;
@@ -12,9 +10,7 @@ use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::parts::PARTS;
 use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy, keys, read, sweepable};
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, ROW, Subject};
-use crate::study::part::{self, Dissected};
+use crate::study::{self, Dissected, Kind, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::column::abouts;
@@ -53,7 +49,7 @@ impl Subject for RelockStudy {
 
     fn dissected(&self, point: usize) -> Option<Dissected> {
         let RelockPoint { swept, inputs } = self.points.get(point)?;
-        let (parts, relocks) = part::points(&inputs.relock, &PARTS);
+        let (parts, relocks) = study::points(&inputs.relock, &PARTS);
         let of =
             |relock| RelockPoint { swept: swept.clone(), inputs: RelockInputs { relock, ..inputs.clone() } };
         let points = relocks.into_iter().map(of).collect();

@@ -11,13 +11,9 @@ pub mod verify;
 
 pub use crate::kinds::relock::inputs::{Compensation, Relock};
 
-use crate::key::holds::Holds;
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting::{self, Setting, Swept};
-use crate::key::sweep;
-use crate::kinds::gyro;
-use crate::kinds::gyro::TICK;
+use crate::key::row::{Holds, Key, Reading, keys};
+use crate::key::sweep::{self, Setting, Swept};
+use crate::kinds::{self, TICK};
 use sagnac_base::source::diagnose::Wrong;
 
 /// The part of a study that is specific to relocking.
@@ -59,12 +55,12 @@ static SETTINGS: [Setting<RelockInputs>; 1] =
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [GYRO_KEYS, gyro::KEYS, inputs::KEYS, inputs::SIGNAL_KEYS].concat()
+    [GYRO_KEYS, kinds::KEYS, inputs::KEYS, inputs::SIGNAL_KEYS].concat()
 }
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&SETTINGS).chain(setting::keys(&inputs::SETTINGS)).collect()
+    sweep::keys(&SETTINGS).chain(sweep::keys(&inputs::SETTINGS)).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -73,8 +69,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<RelockStudy, Wrong> {
     reading.set(&mut inputs, &SETTINGS)?;
     let points = sweep::points(reading.sweeps).map(|swept| {
         let mut inputs = inputs.clone();
-        setting::set(&mut inputs, &SETTINGS, &swept);
-        setting::set(&mut inputs.relock, &inputs::SETTINGS, &swept);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        sweep::set(&mut inputs.relock, &inputs::SETTINGS, &swept);
         RelockPoint { swept, inputs }
     });
     Ok(RelockStudy { points: points.collect(), inputs })

@@ -1,7 +1,7 @@
 //! The parts of the angle that a relock leaves.
 
 use crate::kinds::relock::Relock;
-use crate::study::part::Part;
+use crate::study::Part;
 
 /// All parts. Without its nominal initial detuning, a loop starts from the errors of the initial detuning alone; without these there is nothing to
 /// relock, and the initial detuning stays.

@@ -1,11 +1,10 @@
 //! Running a relock study: launches for what the store lacks, and the table of what it holds.
 
-use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
+use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::kinds::relock::RelockStudy;
 use crate::kinds::relock::columns::{Row, columns};
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
-use crate::kinds::table::table;
 use crate::sampling::batches::{Work, estimates};
 use crate::sampling::{Found, RunError, Tables};
 use crate::store::error::StoreError;

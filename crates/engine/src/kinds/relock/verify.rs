@@ -1,9 +1,8 @@
 //! Named relocks that cover every distinction made by the kernel.
 
-use crate::device::load::Load;
-use crate::key::common::Streams;
-use crate::kinds::relock::inputs::FirstHalf;
-use crate::kinds::relock::inputs::{Compensation, Relock};
+use crate::device::Load;
+use crate::key::row::Streams;
+use crate::kinds::relock::inputs::{Compensation, FirstHalf, Relock};
 use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::{RelockInputs, RelockPoint};
 use sagnac_kernel::launch::Launch;

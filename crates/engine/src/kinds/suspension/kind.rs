@@ -2,14 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::Ground;
-use crate::kinds::exact::Exact;
+use crate::chart::{Ground, Source};
+use crate::kinds::plan::{Exact, table};
 use crate::kinds::suspension::{SuspensionStudy, columns, keys, read, sweepable};
-use crate::kinds::table::table;
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
+use crate::study::{Kind, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::column::abouts;

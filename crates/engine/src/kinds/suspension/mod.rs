@@ -5,11 +5,8 @@ pub(crate) mod kind;
 
 use std::sync::Arc;
 
-use crate::key::holds::{Holds, measure};
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting::{self, Setting, Swept};
-use crate::key::sweep;
+use crate::key::row::{Holds, Key, Reading, keys, measure};
+use crate::key::sweep::{self, Setting, Swept};
 use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::Wrong;
@@ -92,7 +89,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
     reading.set(&mut point, &SETTINGS)?;
     let points = sweep::points(reading.sweeps).map(|swept| {
         let mut point = point.clone();
-        setting::set(&mut point, &SETTINGS, &swept);
+        sweep::set(&mut point, &SETTINGS, &swept);
         let suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
         Point { swept, suspension, ..point }
     });

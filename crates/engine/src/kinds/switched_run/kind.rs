@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::chart::Source;
-use crate::chart::ground::{Ground, Text};
+use crate::chart::{Ground, Source, Text};
 use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock;
 use crate::kinds::switched_run::lower::LoweredRun;
@@ -11,9 +10,7 @@ use crate::kinds::switched_run::point::Point;
 use crate::kinds::switched_run::run::trajectories::MAX_SHOWN;
 use crate::kinds::switched_run::{Angle, SwitchedRun, columns, keys, parts, read, sweepable};
 use crate::sampling::Planned;
-use crate::study::Study;
-use crate::study::kind::{Kind, ROW, Subject};
-use crate::study::part::Dissected;
+use crate::study::{Dissected, Kind, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::column::abouts;

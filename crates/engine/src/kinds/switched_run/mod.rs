@@ -15,12 +15,9 @@ pub use crate::kinds::switched_run::relock::Relocking;
 use crate::drift::{self, DRIFT, Drift, END, End, RESIDUAL_MAX, Schedule};
 use crate::filler::Filler;
 use crate::filler::read::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
-use crate::key::given::Given;
-use crate::key::holds::{Holds, unlimited, words};
-use crate::key::places::Places;
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting;
+use crate::key::document::{Given, Places};
+use crate::key::row::{Holds, Key, Reading, keys, unlimited, words};
+use crate::key::sweep;
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::motion::keys::MOTION;
 use crate::noise::NOISE;
@@ -127,7 +124,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys that can be swept.
 pub fn sweepable() -> Vec<&'static Key> {
-    let run = setting::keys(&drift::SCHEDULE_SETTINGS).chain(setting::keys(&drift::SETTINGS));
+    let run = sweep::keys(&drift::SCHEDULE_SETTINGS).chain(sweep::keys(&drift::SETTINGS));
     run.chain(gap_fill::sweepable()).chain(relock::sweepable()).collect()
 }
 

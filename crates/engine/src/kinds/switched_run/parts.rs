@@ -3,7 +3,7 @@
 use crate::drift::Drift;
 use crate::kinds::gap_fill;
 use crate::kinds::switched_run::point::Point;
-use crate::study::part::{self, Part};
+use crate::study::{self, Part};
 
 /// The parts of the drift.
 static OF_DRIFT: [Part<Drift>; 4] = [
@@ -32,14 +32,14 @@ pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
         ..point.clone()
     };
     let point = designed(point);
-    let (mut names, drifts) = part::points(&point.drift, &OF_DRIFT);
+    let (mut names, drifts) = study::points(&point.drift, &OF_DRIFT);
     let mut points: Vec<Point> = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
     if let Some(fill) = &point.fill {
         let (of_fill, fills) = gap_fill::parts::dissected(fill);
         names.extend(of_fill);
         points.extend(fills.into_iter().skip(1).map(|fill| Point { fill: Some(fill), ..point.clone() }));
     }
-    let (of_relock, relocked) = part::points(&point, &OF_RELOCK);
+    let (of_relock, relocked) = study::points(&point, &OF_RELOCK);
     names.extend(of_relock);
     points.extend(relocked.into_iter().skip(1));
     (names, points)

@@ -1,9 +1,8 @@
 //! Points of a study of whole runs, each checked as a whole.
 
 use crate::drift::{self, Drift, End, Schedule};
-use crate::key::places::Places;
-use crate::key::setting::{self, Swept};
-use crate::key::sweep::{self, Sweep};
+use crate::key::document::Places;
+use crate::key::sweep::{self, Sweep, Swept};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
 use crate::kinds::switched_run::relock::{self, Relocking};
@@ -129,15 +128,15 @@ impl Base<'_> {
         rounded: &mut Vec<String>,
     ) -> Result<Point, Fault> {
         let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
-        setting::set(&mut drift, &drift::SETTINGS, &swept);
-        setting::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
+        sweep::set(&mut drift, &drift::SETTINGS, &swept);
+        sweep::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
         let fill = self.fill.map(|fill| fill.points[index].clone());
         if let Some(fill) = &fill {
             schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
         }
         let mut relock = self.relock.clone();
         if let Some(relocking) = &mut relock {
-            setting::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+            sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
             relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
         }
         schedule.check(self.places)?;

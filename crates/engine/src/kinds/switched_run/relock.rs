@@ -1,9 +1,7 @@
 //! The relock after each switch of a run.
 
-use crate::key::holds::Holds;
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting::{self, Swept};
+use crate::key::row::{Holds, Key, Reading, keys};
+use crate::key::sweep::{self, Swept};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::inputs::{self, Compensation, RELOCK, Relock};
 use sagnac_base::source::diagnose::Fault;
@@ -31,12 +29,12 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys of a relock that can be swept.
 pub(crate) fn sweepable() -> impl Iterator<Item = &'static Key> {
-    setting::keys(&inputs::SETTINGS).chain([&COMPENSATION])
+    sweep::keys(&inputs::SETTINGS).chain([&COMPENSATION])
 }
 
 /// The compensation selected by a sweep.
 pub(crate) fn swept(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
-    let name = setting::named(swept, &COMPENSATION)?;
+    let name = sweep::named(swept, &COMPENSATION)?;
     Compensation::ALL.into_iter().find(|compensation| compensation.name() == name)
 }
 

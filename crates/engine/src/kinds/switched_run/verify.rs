@@ -1,6 +1,6 @@
 //! Named runs that cover every distinction made by the kernel.
 
-use crate::device::load::Load;
+use crate::device::Load;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::LoweredRun;
 use crate::study::Study;

@@ -1,7 +1,6 @@
 //! A point of a study of Allan curves, ready to be sampled.
 
-use crate::key::common::Streams;
-use crate::key::refusal::Refusal;
+use crate::key::row::{Refusal, Streams};
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::plan::identity;

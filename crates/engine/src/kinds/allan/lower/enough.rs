@@ -1,6 +1,6 @@
 //! Check that every part of a noise model has enough units in its words.
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN, loss};
 use crate::kinds::allan::lower::model::{Markov, Model, Sine};
 use sagnac_base::quantity::number::significant;

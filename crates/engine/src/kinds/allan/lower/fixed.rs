@@ -1,9 +1,8 @@
 //! The words of a noise model, and the proof that they fit.
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::allan::lower::enough::check_decay;
-use crate::kinds::allan::lower::model::impossible;
-use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
+use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, impossible, reach};
 use sagnac_base::quantity::number::significant;
 use sagnac_kernel::moments::LIMIT;
 use sagnac_kernel::recipe::{FOUR_STREAMS, STREAMS};

@@ -16,7 +16,7 @@ pub(crate) mod physical_theory;
 pub(crate) mod representation;
 pub(crate) mod theory;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::allan::lower::model::too_long;
 pub use crate::kinds::allan::lower::theory::Theory;
 
@@ -61,7 +61,7 @@ pub struct Asked<'a> {
 /// other averaging factors take other differences of the same angles.
 ///
 /// ```
-/// use sagnac_engine::device::cpu::Cpu;
+/// use sagnac_engine::device::Cpu;
 /// use sagnac_kernel::width::Width;
 /// use sagnac_engine::kinds::allan::lower::{Asked, Records};
 /// use sagnac_theory::allan::{Estimator, Part, Process};

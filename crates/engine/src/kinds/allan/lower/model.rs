@@ -2,9 +2,8 @@
 
 use core::f64::consts::PI;
 
-use crate::key::refusal::Refusal;
-use crate::kinds::allan::lower::Asked;
-use crate::kinds::allan::lower::MAX_SAMPLES;
+use crate::key::row::Refusal;
+use crate::kinds::allan::lower::{Asked, MAX_SAMPLES};
 use sagnac_theory::allan::estimator::Difference;
 use sagnac_theory::allan::holds;
 use sagnac_theory::allan::part::Part;

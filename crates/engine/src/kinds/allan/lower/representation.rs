@@ -5,7 +5,7 @@
 
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::allan::lower::Records;
 use crate::kinds::allan::lower::fixed::TURN;
 use crate::kinds::allan::lower::model::{Markov, Noise, Sine, reach};

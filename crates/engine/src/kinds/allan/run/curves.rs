@@ -1,6 +1,6 @@
 //! points.csv of a study of Allan curves, with a row for each point and averaging time.
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::allan::columns::Row;
 use crate::kinds::allan::lower::curve::LoweredCurve;
 use crate::kinds::allan::lower::physical_theory::PhysicalTheory;

@@ -6,19 +6,18 @@ pub(crate) mod estimates;
 
 use std::sync::Arc;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::allan::Allan;
 use crate::kinds::allan::columns::{coefficient_columns, columns};
 use crate::kinds::allan::lower::curve::LoweredCurve;
 use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::estimates::Estimates;
-use crate::kinds::table::table;
+use crate::kinds::plan::table;
 use crate::sampling::batches::{Records, Wanted, held_by_all};
 use crate::sampling::{self, Done, RunError, Tables, Worker};
-use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::store::index::Index;
+use crate::store::{Index, Store};
 use crate::study::Study;
 use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::filler::read::Error;
 use crate::filler::{Filler, Method};
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::gap_fill::lower::fixed::{
     ANGLE_UNITS, CONSTANT_UNITS, Fixed, FixedTone, PEAK_UNITS, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion,
 };

@@ -36,14 +36,14 @@ pub(crate) mod response;
 pub(crate) mod unit;
 pub mod weights;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Theory};
 pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 
 use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::common::Streams;
+use crate::key::row::Streams;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, long_words};
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::lower::readout::Fractions;

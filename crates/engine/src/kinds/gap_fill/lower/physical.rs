@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::motion::keys::{Design, Phase, Position};
 use crate::motion::{Acceleration, Frequency, Gaussian, Replay, Value};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::gap_fill::lower::fixed::{Fixed, SIGMA_UNITS};
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::lower::response::Functional;

@@ -3,15 +3,14 @@
 pub(crate) mod proven;
 pub(crate) mod stop;
 
-use crate::chart::law::Law;
+use crate::chart::Law;
 use crate::filler::Filler;
 use crate::filler::read::Error;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Row, columns};
 use crate::kinds::gap_fill::run::proven::{Proof, Proven, STEPS};
 use crate::kinds::gap_fill::tuning::{Tuning, tuned};
-use crate::kinds::plan::{Launched, PointsPlan, Tabulated};
-use crate::kinds::table::{Appended, table};
+use crate::kinds::plan::{Appended, Launched, PointsPlan, Tabulated, table};
 use crate::sampling::{Found, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Held, Store};

@@ -3,7 +3,7 @@
 
 use crate::filler::latency_ticks;
 use crate::filler::read::Error;
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::{Judge, Size};

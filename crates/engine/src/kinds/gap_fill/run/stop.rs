@@ -1,6 +1,6 @@
 //! The stop rule, which decides which points have the requested precision.
 
-use crate::key::precision::Precision;
+use crate::key::row::Precision;
 use crate::kinds::gap_fill::run::Plan;
 use crate::kinds::gap_fill::run::proven::Proof;
 use crate::kinds::plan::Launched;

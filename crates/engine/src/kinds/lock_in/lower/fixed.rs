@@ -3,12 +3,11 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::lock_in::inputs::{AMPLITUDE_NOISE, DITHER_RATE, LENGTH, THRESHOLD};
 use crate::kinds::lock_in::lower::steps::{Steps, largest};
-use crate::kinds::lock_in::motion;
 use crate::kinds::lock_in::point::Times;
-use crate::kinds::lock_in::{Inputs, Readout};
+use crate::kinds::lock_in::{Inputs, Readout, motion};
 use crate::motion::Motion;
 use sagnac_kernel::lock_in::{KICKS, LockIn, ROUND, Readout as Angle, SHORT_SINE};
 use sagnac_kernel::normal::REACH;

@@ -6,7 +6,7 @@
 
 use core::f64::consts::TAU;
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::lock_in::inputs::THRESHOLD;
 use crate::kinds::lock_in::point::Times;
 use sagnac_kernel::lock_in::{LockIn as Recipe, ROUND};
@@ -84,7 +84,7 @@ fn kick(recipe: &Recipe) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::common::Streams;
+    use crate::key::row::Streams;
     use crate::kinds::lock_in::lower::{Gyros, theory};
     use crate::kinds::lock_in::verify::checked;
     use crate::kinds::lock_in::{Dither, Inputs, Point};

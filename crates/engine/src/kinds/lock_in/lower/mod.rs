@@ -7,8 +7,7 @@ pub(crate) mod theory;
 
 use std::sync::Arc;
 
-use crate::key::common::Streams;
-use crate::key::refusal::Refusal;
+use crate::key::row::{Refusal, Streams};
 use crate::kinds::allan::lower::levels;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::lock_in::Point;

@@ -10,11 +10,10 @@
 
 use core::f64::consts::{PI, TAU};
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::lock_in::inputs::{DITHER_RATE, RATE, SAMPLE, THRESHOLD};
-use crate::kinds::lock_in::motion;
 use crate::kinds::lock_in::point::Times;
-use crate::kinds::lock_in::{Dither, Inputs};
+use crate::kinds::lock_in::{Dither, Inputs, motion};
 use sagnac_kernel::lock_in::ROUND;
 use sagnac_kernel::normal::REACH;
 

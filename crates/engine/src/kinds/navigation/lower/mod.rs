@@ -14,10 +14,9 @@ pub(crate) mod representation;
 
 use std::sync::Arc;
 
-use crate::key::common::Streams;
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, Streams, shown};
 use crate::key::sensitivity::Uncertain;
-use crate::key::setting;
+use crate::key::sweep;
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::allan::lower::model::DEVIATIONS;
 use crate::kinds::allan::lower::{Asked, Records};
@@ -99,9 +98,9 @@ fn drawn(point: &Point, study: &Navigation, seed: u64, set: u64) -> Noise {
         let [word, ..] = philox([set as u32, 0, input as u32, 0].map(Scalar), keys);
         // The middle of one of 2^32 equal parts.
         let level = (f64::from(word.0) + 0.5) / 4_294_967_296.0;
-        setting::set(&mut noise, &NOISE_SETTINGS, &[(uncertain.key.name, Uncertain::at(uncertain, level))]);
+        sweep::set(&mut noise, &NOISE_SETTINGS, &[(uncertain.key.name, Uncertain::at(uncertain, level))]);
     }
-    setting::set(&mut noise, &NOISE_SETTINGS, &point.swept);
+    sweep::set(&mut noise, &NOISE_SETTINGS, &point.swept);
     match point.lack {
         Some(lack) => lack.of(noise),
         None => noise,

@@ -4,7 +4,7 @@
 
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};

@@ -7,19 +7,18 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
 use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
 use crate::kinds::navigation::run::claim::Claim;
 use crate::kinds::navigation::run::sizes::Sizes;
-use crate::kinds::table::table;
+use crate::kinds::plan::table;
 use crate::sampling::batches::{Records, Wanted, held_by_all};
 use crate::sampling::{self, Done, RunError, Tables, Worker};
-use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::store::index::Index;
+use crate::store::{Index, Store};
 use crate::study::Study;
 use crate::tally::{Id, Share};
 use sagnac_base::progress::Progress;

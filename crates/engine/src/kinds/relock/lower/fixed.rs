@@ -1,8 +1,7 @@
 //! A relock in fixed point: its units, its words, and the exact uncompensated angles that follow from them.
 
-use crate::key::refusal::{Refusal, shown};
-use crate::kinds::relock::inputs::FirstHalf;
-use crate::kinds::relock::inputs::Relock;
+use crate::key::row::{Refusal, shown};
+use crate::kinds::relock::inputs::{FirstHalf, Relock};
 use sagnac_base::quantity::number::significant;
 use sagnac_kernel::normal::REACH;
 use sagnac_kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};

@@ -3,12 +3,12 @@
 pub(crate) mod fixed;
 pub(crate) mod physical_theory;
 
-use crate::key::refusal::{Refusal, shown};
+use crate::key::row::{Refusal, shown};
 pub use crate::kinds::relock::lower::fixed::{FixedRelock, MAX_LEFT};
 
 use std::sync::Arc;
 
-use crate::key::common::Streams;
+use crate::key::row::Streams;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::plan::identity;
 use crate::kinds::relock::RelockPoint;

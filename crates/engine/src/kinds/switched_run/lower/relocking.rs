@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::key::refusal::Refusal;
+use crate::key::row::Refusal;
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::fixed::{FixedRelock, MAX_LEFT};
 use crate::kinds::relock::lower::{PILOT, method};

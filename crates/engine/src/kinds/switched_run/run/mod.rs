@@ -3,12 +3,11 @@
 pub(crate) mod trajectories;
 
 use crate::drift::End;
-use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
+use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::columns::{Row, columns};
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;
-use crate::kinds::table::table;
 use crate::sampling::batches::{Work, estimates};
 use crate::sampling::{Found, RunError, Tables};
 use crate::store::error::StoreError;

@@ -79,7 +79,7 @@ pub(crate) fn table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreEr
         }
     }
     let columns = trajectory_columns(!plan.subject.fillers().is_empty());
-    Ok(kinds::table::table(&plan.study.sweeps, &columns, &moments, |moment| &moment.point.swept))
+    Ok(kinds::plan::table(&plan.study.sweeps, &columns, &moments, |moment| &moment.point.swept))
 }
 
 /// A note that not every switch is in the table.
