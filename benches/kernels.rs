@@ -10,7 +10,7 @@ use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::{Form, KERNELS};
 use sagnac::kinds::gap_fill::verify::Configuration;
-use sagnac::kinds::relock::inputs::Compensation;
+use sagnac::kinds::relock::Compensation;
 use sagnac::kinds::relock::verify::{launches_of, relock};
 use sagnac::kinds::switched_run::verify::hour_launches;
 

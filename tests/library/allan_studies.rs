@@ -7,7 +7,7 @@ use crate::studies::{Row, parsed, rows};
 use sagnac::device::{Cpu, Device};
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::curve::LoweredCurve;
+use sagnac::kinds::allan::lower::theory::LoweredCurve;
 use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;

@@ -3,10 +3,9 @@
 use sagnac::device::Cpu;
 use sagnac::kernel::width::Width;
 use sagnac::key::row::Streams;
-use sagnac::kinds::navigation::keys::Solution;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::noise_of;
-use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point};
+use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point, Solution};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::filter::{Model, filtered};

@@ -5,10 +5,9 @@ use std::path::Path;
 
 use sagnac::device::{Cpu, Work};
 use sagnac::kernel::width::Width;
-use sagnac::kinds::navigation::keys::Solution;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::{lgk_400, loads, navigator, noise_of, shaped};
-use sagnac::kinds::navigation::{Noise, Switching};
+use sagnac::kinds::navigation::{Noise, Solution, Switching};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::equations::{ARCSEC, EARTH_RATE};

@@ -5,10 +5,9 @@ use rand::{RngExt, SeedableRng};
 use sagnac::device::{Cpu, Job};
 use sagnac::kernel::width::Width;
 use sagnac::key::row::{Refusal, Streams};
-use sagnac::kinds::relock::inputs::{Compensation, FirstHalf, Relock};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::verify::{named_relocks, relock};
-use sagnac::kinds::relock::{RelockInputs, RelockPoint};
+use sagnac::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
 use sagnac::tally::{Estimates, cover};
 
 const TRIALS: u64 = 1 << 20;

@@ -10,7 +10,7 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::{self, Suppose, navigators};
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::whole::{self, Asked};
-use sagnac::kinds::allan::realizations::MIN_REALIZATIONS;
+use sagnac::kinds::allan::run::MIN_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;

@@ -9,8 +9,7 @@ use sagnac_base::table::Table;
 use sagnac_engine::drift::{End, INTERVAL};
 use sagnac_engine::key::row::Key;
 use sagnac_engine::key::sweep::{Sweep, Swept};
-use sagnac_engine::kinds::lock_in::LockInStudy;
-use sagnac_engine::kinds::lock_in::inputs::{FREQUENCY, SCALE_FACTOR, THRESHOLD};
+use sagnac_engine::kinds::lock_in::{FREQUENCY, LockInStudy, SCALE_FACTOR, THRESHOLD};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
 
@@ -310,7 +309,7 @@ fn beyond(input: &Input, factor: f64) -> Quantity {
 mod tests {
     use super::*;
     use sagnac_engine::filler::read::GAP_TICKS;
-    use sagnac_engine::kinds::gap_fill::keys::READOUT_LSB;
+    use sagnac_engine::kinds::gap_fill::inputs::READOUT_LSB;
 
     #[test]
     fn needed_values_lie_beyond_the_change_with_three_digits_and_are_never_the_present_ones() {

@@ -4,7 +4,7 @@ use crate::analysis::answer::{Line, table};
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
 use sagnac_base::quantity::number::significant;
-use sagnac_engine::kinds::gap_fill::judged::{Judged, Size, deviation};
+use sagnac_engine::kinds::gap_fill::columns::{Judged, Size, deviation};
 use sagnac_report::answer::reading::{begun, number};
 use sagnac_report::answer::{
     Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Part, Reading, Status,

@@ -1,6 +1,6 @@
 //! The integer rule: integer weights on ticks, and the rounding of their sums.
 
-use sagnac_engine::kinds::gap_fill::lower::weights::Rows;
+use sagnac_engine::kinds::gap_fill::lower::fixed::Rows;
 use sagnac_theory::gap::Weights;
 
 /// Weights that give the lost ticks from others, as 32-bit integers over a denominator.

@@ -5,8 +5,7 @@ use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_engine::filler::FILLERS;
 use sagnac_engine::filler::read::Error;
-use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::kinds::gap_fill::judged::Size;
+use sagnac_engine::kinds::gap_fill::columns::{FILLER, Size};
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {

@@ -28,14 +28,14 @@ use sagnac_base::source::diagnose::{Fault, choices};
 
 /// Every kind of study.
 pub static KINDS: [&Kind; 8] = [
-    &gap_fill::kind::GAP_FILL,
-    &allan::kind::ALLAN,
-    &switched_run::kind::SWITCHED_RUN,
-    &relock::kind::RELOCK,
-    &lock_in::kind::LOCK_IN,
-    &drift_budget::kind::DRIFT_BUDGET,
-    &suspension::kind::SUSPENSION,
-    &navigation::kind::NAVIGATION,
+    &gap_fill::GAP_FILL,
+    &allan::ALLAN,
+    &switched_run::SWITCHED_RUN,
+    &relock::RELOCK,
+    &lock_in::run::LOCK_IN,
+    &drift_budget::DRIFT_BUDGET,
+    &suspension::SUSPENSION,
+    &navigation::NAVIGATION,
 ];
 
 /// The keys of all kinds, in the order of [`KINDS`].

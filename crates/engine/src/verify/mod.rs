@@ -16,15 +16,15 @@ use sha2::{Digest, Sha256};
 
 use crate::device::select::{self, SelectError, Selection, SelfTest};
 use crate::device::{Cpu, Device, GpuError, Job, Load, Work};
+use crate::kinds::KINDS;
 use crate::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use crate::kinds::gap_fill::verify::configurations;
 use crate::kinds::lock_in::verify::{checked, lowered};
-use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::verify::navigator;
-use crate::kinds::relock::inputs::Compensation;
+use crate::kinds::navigation::{self, Solution};
+use crate::kinds::relock::Compensation;
 use crate::kinds::relock::verify::{launches_of, relock};
 use crate::kinds::switched_run::verify::hour_launches;
-use crate::kinds::{KINDS, navigation};
 use crate::tally::{base_log2, cover};
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::launch::Launch;

@@ -125,7 +125,7 @@ pub fn named_records() -> Vec<NamedRecords> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
+    use crate::kinds::allan::lower::theory::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the largest bound relative to its variance; `None`
     /// without a closed form.

@@ -1,40 +1,39 @@
 //! Gap-fill studies: the motion, the mode switch and the fillers to compare.
 
-pub(crate) mod between;
 pub mod columns;
 pub mod inputs;
-pub mod judged;
-pub mod keys;
-pub mod kind;
-pub(crate) mod law;
 pub mod lower;
-pub(crate) mod notes;
-pub(crate) mod of_noise;
-pub(crate) mod parts;
-pub(crate) mod played;
-pub mod point;
 pub(crate) mod run;
-pub mod tuning;
 pub mod verify;
 
 use std::sync::Arc;
 
+use crate::chart::{Ground, Law, Source, Text};
 use crate::filler::read::{
     ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH, Written,
 };
-use crate::filler::{self, Filler, Method, Purpose, Target, TickList};
+use crate::filler::{self, Closed, Filler, Method, Purpose, Target, TickList};
 use crate::key::document::Given;
 use crate::key::row::{self, Key, PRECISION, Reading};
 use crate::key::sweep;
-use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::kinds::gap_fill::keys::{RELOCK, SETTINGS, TICK_NOISE};
-use crate::kinds::gap_fill::point::Point;
-use crate::kinds::{self, gap_fill};
+use crate::kinds::gap_fill::inputs::{Inputs, Point, RELOCK, SETTINGS, TICK_NOISE, TickNoise};
+use crate::kinds::gap_fill::run::Proven;
+use crate::kinds::plan::PointsPlan;
 use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
-use crate::motion::{self, Profile};
-use crate::noise;
+use crate::motion::{self, Motion, Profile};
+use crate::sampling::Planned;
+use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::{kinds, noise};
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::table::column::abouts;
+use sagnac_kernel::gap_fill::VERSION;
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
+use sagnac_theory::published::{
+    noise_of_const, noise_of_const_as_published, taylor_extremum_as_published,
+    taylor_zero_crossing_as_published,
+};
 
 /// The part of a study that is specific to gap filling.
 #[derive(Debug, Clone)]
@@ -58,8 +57,7 @@ impl GapFill {
 
 /// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
-    [gap_fill::keys::KEYS, kinds::KEYS, motion::keys::KEYS, filler::KEYS, filler::read::KEYS, noise::KEYS]
-        .concat()
+    [inputs::KEYS, kinds::KEYS, motion::keys::KEYS, filler::KEYS, filler::read::KEYS, noise::KEYS].concat()
 }
 
 /// Every key of this kind.
@@ -97,7 +95,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
             return Err(sweep.fault(message, "not in this study", help).into());
         }
     }
-    let base = point::Base {
+    let base = inputs::Base {
         inputs: inputs.clone(),
         places: &reading.places,
         sweeps: reading.sweeps,
@@ -107,9 +105,9 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     };
     let points = base.points()?;
     let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
-    reading.notes.extend(notes::of_motion(&inputs, &points));
-    reading.notes.extend(judged::note(&points, &fillers));
-    reading.notes.extend(between::note(&points, &fillers));
+    reading.notes.extend(columns::of_motion(&inputs, &points));
+    reading.notes.extend(columns::mismatch_note(&points, &fillers));
+    reading.notes.extend(columns::interpolation_note(&points, &fillers));
     reading.precision = row::read(&reading.table)?;
     reading.notes.extend(reading.precision.as_ref().and_then(row::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
@@ -136,15 +134,15 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
         specification: filler::read(reading)?.map(Arc::new),
         gap_ticks: 0,
     };
-    let noise = of_noise::read(reading)?;
+    let noise = inputs::read(reading)?;
     if let Some(noise) = &noise {
-        of_noise::set(&mut inputs, noise);
+        inputs::set(&mut inputs, noise);
     }
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
     let lock_in = noise.as_ref().and_then(|noise| noise.lock_in);
     reading.notes.extend(noise::note(lock_in.map(|lock_in| (lock_in, inputs.motion.rate)).into_iter()));
-    reading.notes.extend(noise.and_then(|noise| of_noise::left_out(&noise, &inputs, reading.sweeps)));
+    reading.notes.extend(noise.and_then(|noise| inputs::left_out(&noise, &inputs, reading.sweeps)));
     let assumed = reading.get(&SUSPENSION).and_then(|_| motion::KEYS.assumed(reading));
     reading.notes.extend(assumed);
     Ok(inputs)
@@ -170,4 +168,103 @@ fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
     }
     // The order of the kernel, so that tables do not depend on the order in the list.
     Ok(Error::ALL.into_iter().filter(|error| errors.contains(error)).collect())
+}
+
+/// Errors of gap fillers at a mode switch.
+pub static GAP_FILL: Kind = Kind {
+    name: "gap-fill",
+    subject: "The angle lost or won when the ticks missing at a mode switch are filled in.",
+    about: "Samples mode switches: the motion, the noise and the readout of the ticks around each. Every filler fills in the lost \
+            ticks. points.csv has for each point, filler and error the `rms`, the level `p99_73`, which \
+            99.73 % of errors stay below, and the `max`, with their uncertainty, and the closed form `theory_rms` where there is one.",
+    template: include_str!("template.toml"),
+    is_exact: false,
+    trials: 1_000_000,
+    needs: &["gyro", "motion", "switching"],
+    keys,
+    sweepable,
+    columns: &[(Source::Points, columns::described)],
+    kernels: || format!("gap_fill {VERSION}"),
+    loads: crate::kinds::gap_fill::verify::loads,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+impl Subject for GapFill {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let prove = |point| Proven::new(study, self, point);
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, prove, progress)?;
+        plan.iter().try_for_each(run::check_replays)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let (parts, points) = dissected(self.points.get(point)?);
+        Some(Dissected { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
+    }
+
+    fn bytes(&self) -> u64 {
+        ROW * (self.points.len() * self.fillers.len() * self.errors.len()) as u64
+    }
+
+    fn grounds(&self) -> Vec<Ground> {
+        let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
+        let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name());
+        let columns = abouts(&columns::columns(self.is_specified()));
+        vec![Ground {
+            laws: columns::LAWS,
+            is_specified: self.is_specified(),
+            ..Ground::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
+        }]
+    }
+}
+
+/// All parts, each of which adds to the ticks.
+pub(crate) static PARTS: [Part<Inputs>; 4] = [
+    Part { name: "motion", off: rest },
+    Part { name: "noise of the ticks", off: |inputs| inputs.tick_noise = TickNoise::Std(0.0) },
+    Part { name: "whole pulses of the readout", off: |inputs| inputs.readout_lsb = 0.0 },
+    Part { name: "angles of the relock", off: |inputs| inputs.relock.clear() },
+];
+
+/// Takes away the motion, and that of the specification.
+fn rest(inputs: &mut Inputs) {
+    inputs.motion = Motion::default();
+    inputs.specification = inputs.specification.take().map(|_| Arc::default());
+}
+
+/// A point as it is, and without each of its parts in turn; its fillers keep their weights.
+pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+    let (names, inputs) = study::points(&point.inputs, &PARTS);
+    let design = point.design.clone().or_else(|| Some(Box::new(point.inputs.clone())));
+    let of = |inputs: Inputs| Point { inputs, design: design.clone(), ..point.clone() };
+    (names, inputs.into_iter().map(of).collect())
+}
+
+/// Number of ticks for which the published noise law holds.
+const PUBLISHED_TICKS: usize = 4;
+
+impl Law {
+    /// The value of the law for one of the errors of a filler that reads `ticks` ticks, ″; `None` where the law does
+    /// not apply.
+    pub fn arcsec(self, inputs: &Inputs, filler: &Filler, error: Error, ticks: usize) -> Option<f64> {
+        let Method::Closed(&Closed { order: Some(order), .. }) = filler.method else { return None };
+        let three_sigma = 3.0 * inputs.sigma_arcsec();
+        let of_const = order == 0 && error != Error::InGap;
+        let taylor = |share: fn(usize, f64) -> Option<f64>| {
+            let (rate, _) = inputs.motion.single_tone()?;
+            share(order, inputs.dt_nu()?).map(|share| share * rate * inputs.tick_s)
+        };
+        match self {
+            Law::TaylorExtremum => taylor(taylor_extremum_as_published),
+            Law::TaylorZeroCrossing => taylor(taylor_zero_crossing_as_published),
+            Law::NoiseAsPublished => (of_const && ticks == PUBLISHED_TICKS)
+                .then(|| noise_of_const_as_published(three_sigma, inputs.gap_ticks)),
+            Law::ZeemanTables
+            | Law::StrategicGrade
+            | Law::NavigationGrade
+            | Law::TacticalGrade
+            | Law::ConsistentFilter => None,
+            Law::Noise => of_const.then(|| noise_of_const(three_sigma, inputs.gap_ticks, ticks)),
+        }
+    }
 }

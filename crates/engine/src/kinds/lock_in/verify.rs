@@ -5,8 +5,7 @@ use std::sync::Arc;
 use crate::device::{Load, Work};
 use crate::key::row::Streams;
 use crate::kinds::lock_in::lower::Gyros;
-use crate::kinds::lock_in::point::Times;
-use crate::kinds::lock_in::{Dither, Inputs, Point, Readout};
+use crate::kinds::lock_in::{Dither, Inputs, Point, Readout, Times};
 use crate::motion::{Motion, Tone};
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 

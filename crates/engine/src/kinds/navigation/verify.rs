@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use crate::device::{Load, Work};
 use crate::key::row::Streams;
-use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::lower::Lowered;
-use crate::kinds::navigation::{Inputs, Navigation, Point};
+use crate::kinds::navigation::{Inputs, Navigation, Point, Solution};
 use crate::noise::{Noise, Switching};
 use sagnac_theory::allan::terms::Term;
 
@@ -106,7 +105,7 @@ fn named_navigators() -> Vec<(&'static str, Solution, Noise, f64)> {
 mod tests {
     use super::*;
     use crate::kinds::navigation::columns::Quantity;
-    use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
+    use crate::kinds::navigation::lower::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the least and the largest ratio of a bound to its rms.
     fn compare(name: &str, solution: Solution, noise: Noise, duration_s: f64) -> (f64, f64) {

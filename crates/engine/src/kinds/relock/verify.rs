@@ -2,9 +2,8 @@
 
 use crate::device::Load;
 use crate::key::row::Streams;
-use crate::kinds::relock::inputs::{Compensation, FirstHalf, Relock};
 use crate::kinds::relock::lower::LoweredRelock;
-use crate::kinds::relock::{RelockInputs, RelockPoint};
+use crate::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
 use sagnac_kernel::launch::Launch;
 
 /// A relock like the paper's, with every kind of error.

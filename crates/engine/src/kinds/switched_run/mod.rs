@@ -1,17 +1,13 @@
 //! Studies of whole runs of a gyro that switches modes.
 
-pub(crate) mod columns;
-pub(crate) mod kind;
 pub mod lower;
-pub(crate) mod parts;
 pub mod point;
-pub(crate) mod relock;
 pub mod run;
 pub mod verify;
 
-pub use crate::kinds::switched_run::point::Point;
-pub use crate::kinds::switched_run::relock::Relocking;
+use std::sync::Arc;
 
+use crate::chart::{Ground, Source, Text};
 use crate::drift::{self, DRIFT, Drift, END, End, RESIDUAL_MAX, Schedule};
 use crate::filler::Filler;
 use crate::filler::read::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
@@ -19,11 +15,21 @@ use crate::key::document::{Given, Places};
 use crate::key::row::{Holds, Key, Reading, keys, unlimited, words};
 use crate::key::sweep;
 use crate::kinds::gap_fill::{self, GapFill};
+use crate::kinds::plan::PointsPlan;
+use crate::kinds::relock;
+use crate::kinds::switched_run::lower::LoweredRun;
+pub use crate::kinds::switched_run::point::{Point, Relocking};
+use crate::kinds::switched_run::run::MAX_SHOWN;
 use crate::motion::keys::MOTION;
 use crate::noise::NOISE;
+use crate::sampling::Planned;
+use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::table::column::abouts;
+use sagnac_kernel::switched_run::VERSION;
 
 words! {
     /// Sign of the magnetic drift in the first interval of a run.
@@ -119,13 +125,13 @@ impl SwitchedRun {
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
     let run = [drift::SCHEDULE_KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
-    [&run[..], &gap_fill::keys_of_fill(), &relock::keys()].concat()
+    [&run[..], &gap_fill::keys_of_fill(), &point::keys()].concat()
 }
 
 /// The keys that can be swept.
 pub fn sweepable() -> Vec<&'static Key> {
     let run = sweep::keys(&drift::SCHEDULE_SETTINGS).chain(sweep::keys(&drift::SETTINGS));
-    run.chain(gap_fill::sweepable()).chain(relock::sweepable()).collect()
+    run.chain(gap_fill::sweepable()).chain(point::sweepable()).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -136,7 +142,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;
-    let relock = relock::read(reading, fill.as_ref())?;
+    let relock = point::read(reading, fill.as_ref())?;
     let times = read_times(reading)?;
     let trajectories = match reading.get(&TRAJECTORIES) {
         Some(given) => given.whole()?.cast_unsigned(),
@@ -179,7 +185,7 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
         }
         return Ok(Some(gap_fill::read(reading)?));
     }
-    let of_fill = [&gap_fill::keys::GYRO, &MOTION, &NOISE, &GAP_TICKS, &FIT_TICKS, &EXTRAPOLATION_TICKS];
+    let of_fill = [&gap_fill::inputs::GYRO, &MOTION, &NOISE, &GAP_TICKS, &FIT_TICKS, &EXTRAPOLATION_TICKS];
     if let Some(written) = of_fill.into_iter().find_map(|key| reading.get(key)) {
         let name = written.key.name;
         let name = if written.key.holds.is_table() { format!("[{name}]") } else { name.to_owned() };
@@ -242,4 +248,127 @@ fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
         }
     };
     list.distinct(time, "leave it out here")
+}
+
+/// Studies of the angles of whole runs.
+pub(crate) static SWITCHED_RUN: Kind = Kind {
+    name: "switched-run",
+    subject: "The error of the angle after a whole run of a gyro that switches modes.",
+    about: "Samples whole runs of a gyro that switches modes: the magnetic drift, whose sign every switch reverses, and the \
+            residuals of the switches. points.csv has the error of the angle at the end and at earlier times, `rms` and `p99_73` in arcsec, and \
+            the same divided by the time, `drift_rms` and `drift_p99_73` in °/h. `sagnac design` finds the best interval of such a study.",
+    template: include_str!("template.toml"),
+    is_exact: false,
+    trials: 100_000,
+    needs: &["switching", "run"],
+    keys,
+    sweepable,
+    columns: &[
+        (Source::Points, || abouts(&run::columns(true))),
+        (Source::Trajectories, || abouts(&run::trajectory_columns(true))),
+    ],
+    kernels: || format!("switched_run {VERSION}, {}", relock::kernels()),
+    loads: crate::kinds::switched_run::verify::loads,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+/// Bytes of memory of a lowered point, and of it for each switch; of a row of trajectories.
+const POINT: u64 = 5000;
+const SWITCH: u64 = 110;
+const MOMENT: u64 = 120;
+
+impl Subject for SwitchedRun {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let (parts, points) = dissected(self.points.get(point)?);
+        Some(Dissected { parts, subject: Arc::new(SwitchedRun { points, trajectories: 0, ..self.clone() }) })
+    }
+
+    fn only(&self, row: usize) -> Option<(Arc<dyn Subject>, usize)> {
+        let angles = self.angles().len();
+        let (filler, angle) = (row / angles, row % angles);
+        let mut only = self.clone();
+        let fill = only.fill.as_mut()?;
+        fill.fillers = vec![fill.fillers.get(filler)?.clone()];
+        for of_point in only.points.iter_mut().filter_map(|point| point.fill.as_mut()) {
+            of_point.fills = [of_point.fills.get(filler)?.clone()].into();
+        }
+        Some((Arc::new(only), angle))
+    }
+
+    fn bytes(&self) -> u64 {
+        let (fillers, angles) = (self.fillers().len().max(1) as u64, self.angles().len() as u64);
+        let of_point = |point: &Point| {
+            let shown = 2 * point.switches().min(MAX_SHOWN) + 1;
+            POINT + ROW * angles + SWITCH * point.switches() + MOMENT * shown * self.trajectories
+        };
+        fillers * self.points.iter().map(of_point).sum::<u64>()
+    }
+
+    fn grounds(&self) -> Vec<Ground> {
+        let fillers = self.fillers();
+        let has_fillers = !fillers.is_empty();
+        let fillers = || has_fillers.then(|| Text::of(fillers.iter().map(|filler| &filler.name))).into_iter();
+        let angles = Text::of(self.angles().iter().map(Angle::name)).usual(Angle::End.name());
+        let runs = Text::of((1..=self.trajectories).map(|number| number.to_string()));
+        let none_kept =
+            ("the chart is of trajectories, and none are kept", "add them as in\n[run]\ntrajectories = 20");
+        let limits = &[Dimension::DriftRate, Dimension::Angle];
+        let (points, trajectories) =
+            (abouts(&run::columns(has_fillers)), abouts(&run::trajectory_columns(has_fillers)));
+        let points = Ground::of(Source::Points, points, fillers().chain([angles]), limits);
+        let trajectories = Ground {
+            // Trajectories start at 0, and their angles have both signs.
+            is_linear: true,
+            absent: (self.trajectories == 0).then_some(none_kept),
+            legend: ["single runs", points.legend[1]],
+            ..Ground::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
+        };
+        vec![points, trajectories]
+    }
+}
+
+/// The parts of the drift.
+static OF_DRIFT: [Part<Drift>; 4] = [
+    Part {
+        name: "magnetic drift",
+        off: |drift| {
+            (drift.magnetic, drift.magnetic_spread) = (0.0, 0.0);
+            (drift.initial_magnetic, drift.initial_magnetic_spread) = (0.0, 0.0);
+        },
+    },
+    Part {
+        name: "non-magnetic drift with its spread",
+        off: |drift| (drift.non_magnetic, drift.non_magnetic_spread) = (0.0, 0.0),
+    },
+    Part { name: "angle random walk", off: |drift| drift.angle_random_walk = 0.0 },
+    Part { name: "residuals of the switches", off: |drift| drift.residual_max = 0.0 },
+];
+
+/// The relock after each switch.
+static OF_RELOCK: [Part<Point>; 1] = [Part { name: "relock", off: |point| point.relock = None }];
+
+/// A point as it is, and without each of its parts in turn; its fillers keep their weights.
+pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+    let designed = |point: &Point| Point {
+        fill: point.fill.as_ref().map(|fill| gap_fill::dissected(fill).1.swap_remove(0)),
+        ..point.clone()
+    };
+    let point = designed(point);
+    let (mut names, drifts) = study::points(&point.drift, &OF_DRIFT);
+    let mut points: Vec<Point> = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
+    if let Some(fill) = &point.fill {
+        let (of_fill, fills) = gap_fill::dissected(fill);
+        names.extend(of_fill);
+        points.extend(fills.into_iter().skip(1).map(|fill| Point { fill: Some(fill), ..point.clone() }));
+    }
+    let (of_relock, relocked) = study::points(&point, &OF_RELOCK);
+    names.extend(of_relock);
+    points.extend(relocked.into_iter().skip(1));
+    (names, points)
 }

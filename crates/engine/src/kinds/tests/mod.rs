@@ -8,8 +8,7 @@ use std::path::Path;
 
 use crate::key::sweep::{Scale, Swept};
 use crate::kinds::gap_fill::GapFill;
-use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::kinds::gap_fill::point::Point;
+use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::schema;
 use crate::motion::{Motion, Tone};
 use crate::study::Study;

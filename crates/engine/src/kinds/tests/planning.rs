@@ -6,8 +6,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::run::Plan as GapPlan;
-use crate::kinds::gap_fill::run::proven::Proven;
+use crate::kinds::gap_fill::run::{Plan as GapPlan, Proven};
 use crate::kinds::plan::PointsPlan;
 use crate::study::Study;
 use sagnac_base::progress::{Progress, Silent};

@@ -12,8 +12,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::filler::read::Error;
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::fixed::Rows;
 use crate::kinds::gap_fill::lower::readout::class;
-use crate::kinds::gap_fill::lower::weights::Rows;
 use crate::motion::keys::Phase;
 use crate::motion::{Frequency, Tone, Value, WindowMeans};
 use sagnac_kernel::gap_fill::shape::MARGIN;

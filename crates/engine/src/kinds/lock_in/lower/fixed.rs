@@ -4,10 +4,8 @@ use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
 use crate::key::row::{Refusal, shown};
-use crate::kinds::lock_in::inputs::{AMPLITUDE_NOISE, DITHER_RATE, LENGTH, THRESHOLD};
-use crate::kinds::lock_in::lower::steps::{Steps, largest};
-use crate::kinds::lock_in::point::Times;
-use crate::kinds::lock_in::{Inputs, Readout, motion};
+use crate::kinds::lock_in::lower::{self, Steps, largest};
+use crate::kinds::lock_in::{AMPLITUDE_NOISE, DITHER_RATE, Inputs, LENGTH, Readout, THRESHOLD, Times};
 use crate::motion::Motion;
 use sagnac_kernel::lock_in::{KICKS, LockIn, ROUND, Readout as Angle, SHORT_SINE};
 use sagnac_kernel::normal::REACH;
@@ -227,7 +225,7 @@ impl Fixed {
         }
         let interval = self.steps.interval / self.steps.half as f64;
         let needed = libm::ceil(f64::from(recipe.samples) * interval) as usize;
-        let angles = motion::angles(motion, self.half_s, needed)?;
+        let angles = lower::angles(motion, self.half_s, needed)?;
         // The words of the half-cycles are differences of rounded angles, so that their sum does not drift.
         let unit = WORD / scale_factor / (self.steps.half as f64 * ROUND as f64);
         let rounded = |angle: f64| libm::round(angle * unit) as i64;
