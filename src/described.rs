@@ -7,7 +7,7 @@ use sagnac_base::quantity::unit::bare;
 use sagnac_base::table::About;
 use sagnac_base::table::column::abouts;
 use sagnac_engine::chart::Source;
-use sagnac_engine::key::row::Key;
+use sagnac_engine::key::Key;
 use sagnac_engine::kinds::{KINDS, switched_run};
 use sagnac_engine::study::Kind;
 

@@ -2,7 +2,7 @@
 
 use sagnac::device::Cpu;
 use sagnac::kernel::width::Width;
-use sagnac::key::row::Streams;
+use sagnac::key::Streams;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::noise_of;
 use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point, Solution};

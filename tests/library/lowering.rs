@@ -12,7 +12,7 @@ use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
-use sagnac::key::row::Refusal;
+use sagnac::key::Refusal;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::verify::Configuration;

@@ -3,7 +3,7 @@
 use sagnac::device::Cpu;
 use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
-use sagnac::key::row::Refusal;
+use sagnac::key::Refusal;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};

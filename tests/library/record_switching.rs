@@ -4,7 +4,7 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::device::Cpu;
 use sagnac::kernel::width::Width;
-use sagnac::key::row::Refusal;
+use sagnac::key::Refusal;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};

@@ -4,7 +4,7 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::device::{Cpu, Job};
 use sagnac::kernel::width::Width;
-use sagnac::key::row::{Refusal, Streams};
+use sagnac::key::{Refusal, Streams};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::verify::{named_relocks, relock};
 use sagnac::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};

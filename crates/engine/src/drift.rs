@@ -1,8 +1,8 @@
 //! The drift of a gyro that switches modes, and its schedule of switches; shared by budgets and whole runs.
 
 use crate::key::document::Places;
-use crate::key::row::{Holds, keys, measure, words};
 use crate::key::sweep::Setting;
+use crate::key::{Holds, keys, measure, words};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::Fault;

@@ -7,10 +7,9 @@ use std::sync::Arc;
 use miette::NamedSource;
 use toml::de::DeTable;
 
-use crate::key::docs;
 use crate::key::document::{Places, Table, check};
-use crate::key::row::{Holds, Key, Reading, keys, measure};
 use crate::key::sweep::{self, Setting, Sweep};
+use crate::key::{Holds, Key, Reading, docs, keys, measure};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity, round_12};
 use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};

@@ -28,15 +28,14 @@ use toml::{Spanned, Table as TomlTable, Value};
 use crate::chart::read::{read_all as read_charts, read_requirement};
 use crate::chart::{Chart, Ground, Law, Requirement, Source};
 use crate::device::Load;
+pub use crate::key::Precision;
 use crate::key::document::{Places, Table};
-pub use crate::key::row::Precision;
-use crate::key::row::{
-    KIND, Key, LIMIT, NONE as NO_PRECISION, PRECISION, QUESTION, Reading, Refusal, SEED, STREAMS, Streams,
-    TITLE, TRIALS,
-};
-use crate::key::sensitivity::Uncertain;
+use crate::key::sensitivity::{self, Uncertain};
 use crate::key::sweep::{self, Scale, Sweep, Swept, read_all as read_sweeps};
-use crate::key::{docs, sensitivity};
+use crate::key::{
+    KIND, Key, LIMIT, NONE as NO_PRECISION, PRECISION, QUESTION, Reading, Refusal, SEED, STREAMS, Streams,
+    TITLE, TRIALS, docs,
+};
 use crate::kinds::checked;
 use crate::sampling::Planned;
 use sagnac_base::progress::Progress;

@@ -32,7 +32,7 @@ use sagnac_base::source::diagnose::StudyError;
 use sagnac_base::table::ColumnError;
 use sagnac_engine::chart::Source;
 use sagnac_engine::device::{Cpu, Device};
-use sagnac_engine::key::row::Key;
+use sagnac_engine::key::Key;
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::Store;

@@ -7,7 +7,7 @@ use crate::analysis::role::is_given;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::table::Table;
 use sagnac_engine::drift::{End, INTERVAL};
-use sagnac_engine::key::row::Key;
+use sagnac_engine::key::Key;
 use sagnac_engine::key::sweep::{Sweep, Swept};
 use sagnac_engine::kinds::lock_in::{FREQUENCY, LockInStudy, SCALE_FACTOR, THRESHOLD};
 use sagnac_engine::kinds::switched_run::SwitchedRun;

@@ -1,7 +1,7 @@
 //! The candidate intervals for each filler.
 
 use crate::analysis::design::DesignError;
-use sagnac_engine::key::row::Streams;
+use sagnac_engine::key::Streams;
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use sagnac_engine::kinds::switched_run::point::Point as RunPoint;

@@ -3,7 +3,7 @@
 use crate::analysis::design::Measure;
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_engine::device::GpuError;
-use sagnac_engine::key::row::Refusal;
+use sagnac_engine::key::Refusal;
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::study::Study;
 

@@ -1,6 +1,6 @@
 //! The quantity that a design minimizes.
 
-use sagnac_engine::key::row::names;
+use sagnac_engine::key::names;
 
 names! {
     /// The quantity to minimize, as listed by `--by`.

@@ -7,7 +7,7 @@ use sagnac_base::source::diagnose::StudyError;
 use sagnac_engine::chart::Chart;
 use sagnac_engine::filler::read::{Error, GAP_TICKS};
 use sagnac_engine::filler::{Fill, Filler, Method, Part, Target, latency_ticks};
-use sagnac_engine::key::row::Key;
+use sagnac_engine::key::Key;
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::kinds::gap_fill::columns::{Judge, Judged, of_noise, shift};

@@ -6,7 +6,7 @@ use crate::analysis::sensitivity::SensitivityError;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::table::{Column, Role, Table};
 use sagnac_engine::device::Device;
-use sagnac_engine::key::row::Key;
+use sagnac_engine::key::Key;
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::run::Plan;
 use sagnac_engine::store::Store;

@@ -1,6 +1,6 @@
 //! What the rate may depend on.
 
-use sagnac_engine::key::row::names;
+use sagnac_engine::key::names;
 use sagnac_records::allan::{Deviation, Unit};
 
 names! {

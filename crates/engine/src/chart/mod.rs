@@ -6,8 +6,8 @@ pub(crate) mod read;
 use std::ops::Range;
 
 use crate::key::document::Given;
-use crate::key::row::{Holds, keys, words};
 use crate::key::sweep::Scale;
+use crate::key::{Holds, keys, words};
 use sagnac_base::quantity::number::{joined, significant};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::{About, Cell, Role, Unit, Usual};

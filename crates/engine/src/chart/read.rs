@@ -5,8 +5,8 @@ use crate::chart::{
     Source, TABLE, TITLE, WHERE, X, X_SCALE, Y, Y_SCALE, Z, Z_SCALE,
 };
 use crate::key::document::{Given, Table};
-use crate::key::row::{Holds, Key, unlimited};
 use crate::key::sweep::{Scale, Sweep, Swept, scale_of};
+use crate::key::{Holds, Key, unlimited};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, choices};
 use sagnac_base::table::{self, About, Cell, Cells, Column, ColumnError, Role, Unit, Usual};

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use crate::key::document::{Given, Table};
-use crate::key::row::{Holds, Key, Reading, Word, keys};
+use crate::key::{Holds, Key, Reading, Word, keys};
 use crate::motion::keys::{AMPLITUDES, FREQUENCIES, Phase, RATES, band};
 use crate::motion::{Amplitude, Frequency, Motion, Tone, Value};
 use sagnac_base::quantity::units::{Dimension, round_12};

@@ -7,7 +7,7 @@ use crate::filler::{
     TickList, WEIGHTS, named,
 };
 use crate::key::document::{Given, Table};
-use crate::key::row::{Holds, keys, words};
+use crate::key::{Holds, keys, words};
 use crate::motion::keys::{FREQUENCIES, band};
 use sagnac_base::source::diagnose::{Fault, choices};
 

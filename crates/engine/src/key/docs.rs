@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::key::row::{Holds, Key, Measure, joined, one_line};
+use crate::key::{Holds, Key, Measure, joined, one_line};
 use sagnac_base::quantity::units::{self, Dimension};
 
 /// A key of a study file, explained as text.

@@ -6,8 +6,8 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::key::row::{Holds, Key, Measure, joined};
 use crate::key::sweep::Sweep;
+use crate::key::{Holds, Key, Measure, joined};
 use sagnac_base::quantity::units::{self, Dimension, Quantity};
 use sagnac_base::source::diagnose::{Fault, choices};
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::key::document::{Given, Table};
-use crate::key::row::{Holds, Key, Measure, keys};
 use crate::key::sweep::{self, Sweep, Swept};
+use crate::key::{Holds, Key, Measure, keys};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::source::diagnose::Fault;
@@ -270,12 +270,12 @@ impl Written<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::row::measure;
+    use crate::key::measure;
 
     static ANGLE: Key = Key {
         name: "gyro.angle",
         label: "",
-        role: crate::key::row::Role::Choice,
+        role: crate::key::Role::Choice,
         doc: "",
         holds: measure(&[Dimension::Angle], 0.0, 10.0, "0 to 10 arcsec"),
         example: "",

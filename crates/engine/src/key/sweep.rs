@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Spanned;
 
 use crate::key::document::{Given, Table};
-use crate::key::row::{Holds, Key, keys};
+use crate::key::{Holds, Key, keys};
 use sagnac_base::quantity::unit::Written;
 use sagnac_base::quantity::units::Quantity;
 pub use sagnac_base::scale::Scale;

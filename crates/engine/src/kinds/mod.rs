@@ -20,8 +20,7 @@ use std::sync::LazyLock;
 use crate::chart;
 use crate::key::docs::{self, Explained, OfKind, explain};
 use crate::key::document::{Table, check, wrong_shape};
-use crate::key::row::{self, Holds, KIND, TITLE, keys, measure};
-use crate::key::{sensitivity, sweep};
+use crate::key::{self, Holds, KIND, TITLE, keys, measure, sensitivity, sweep};
 use crate::study::Kind;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, choices};
@@ -43,7 +42,7 @@ static OF_KINDS: LazyLock<Vec<OfKind>> = LazyLock::new(|| KINDS.into_iter().map(
 
 fn of(kind: &Kind) -> OfKind {
     let keys =
-        docs::distinct([row::KEYS, &(kind.keys)(), sweep::KEYS, sensitivity::KEYS, chart::KEYS].concat());
+        docs::distinct([key::KEYS, &(kind.keys)(), sweep::KEYS, sensitivity::KEYS, chart::KEYS].concat());
     let Kind { name, subject, needs, sweepable, .. } = kind;
     OfKind { name, meaning: subject, keys, needs, sweepable: sweepable() }
 }

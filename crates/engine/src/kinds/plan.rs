@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::key::row::{Refusal, Streams};
 use crate::key::sweep::{Sweep, Swept};
+use crate::key::{Refusal, Streams};
 use crate::sampling::batches::{Work, held_by_all, lacking, sample};
 use crate::sampling::{Done, Plan, RunError, Tables, Worker};
 use crate::store::error::StoreError;

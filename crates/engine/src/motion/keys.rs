@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::key::document::{Given, Table};
-use crate::key::row::{Holds, Key, Reading, keys, measure, unlimited, words};
 use crate::key::sweep::{Setting, Swept, named as swept_name};
+use crate::key::{Holds, Key, Reading, keys, measure, unlimited, words};
 use crate::motion::{
     self, Acceleration, Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value, Vibration,
 };

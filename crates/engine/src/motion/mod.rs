@@ -5,8 +5,8 @@ pub mod keys;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Weak};
 
+use crate::key::Reading;
 use crate::key::document::Places;
-use crate::key::row::Reading;
 use crate::motion::keys::{
     ACCELERATION_DENSITIES, ALIAS, Design, GYRO, Interpolation, MODE_FREQUENCY, MODE_Q, MODE_RESPONSE, MODES,
     Phase, Position, RANDOM, RANDOM_PSD, RANDOM_RMS, SINE, SINE_ACCELERATION, SINE_FREQUENCY, SUSPENSION,

@@ -11,7 +11,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::device::Job;
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::sampling::{Done, Found, RunError, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Address, Index, Provenance, Row, Store, Tally};

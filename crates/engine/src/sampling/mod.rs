@@ -10,7 +10,7 @@ use crate::chart::{Chart, Source};
 use crate::device::gpu::Gpu;
 use crate::device::select::reopen;
 use crate::device::{Advance, Attempts, Cpu, Device, GpuError, Job, Tallies};
-use crate::key::row::{Refusal, shown};
+use crate::key::{Refusal, shown};
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::tally::{Estimates, Id, NORMAL_95, Quantile, Share, z_score};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::key::document::{Given, Table as StudyTable};
-use crate::key::row::{Holds, unlimited};
+use crate::key::{Holds, unlimited};
 use crate::kinds::allan::run::{Found, Scatter};
 use crate::kinds::allan::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap, Point, TAU};
 use crate::kinds::plan::Values;

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use crate::chart::{Ground, Source, Text};
 use crate::key::document::Places;
-use crate::key::row::{Holds, Key, Reading, keys, measure, words};
 use crate::key::sweep::{self, Setting, Sweep, Swept, selected};
+use crate::key::{Holds, Key, Reading, keys, measure, words};
 use crate::kinds::allan::columns::Estimate;
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::noise::{

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::device::Cpu;
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::allan::columns::{CoefficientRow, Estimates, Row, coefficient_columns, columns};
 use crate::kinds::allan::lower::theory::{LoweredCurve, PhysicalTheory};
 use crate::kinds::allan::lower::{Asked, Records};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::device::{Load, Work};
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 use sagnac_theory::allan::part::Part;

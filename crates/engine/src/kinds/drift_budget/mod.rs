@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::chart::{Ground, Source};
 use crate::drift::{self, Drift, END, End, RESIDUAL_MAX, SCHEDULE_SETTINGS, Schedule};
-use crate::key::row::{Key, Reading};
 use crate::key::sweep::{self, Swept};
+use crate::key::{Key, Reading};
 use crate::kinds::plan::{Exact, table};
 use crate::sampling::Planned;
 use crate::study::{self, Dissected, Kind, Part, Study, Subject};

@@ -14,8 +14,7 @@ use crate::filler::read::{
 };
 use crate::filler::{self, Closed, Filler, Method, Purpose, Target, TickList};
 use crate::key::document::Given;
-use crate::key::row::{self, Key, PRECISION, Reading};
-use crate::key::sweep;
+use crate::key::{self, Key, PRECISION, Reading, sweep};
 use crate::kinds::gap_fill::inputs::{Inputs, Point, RELOCK, SETTINGS, TICK_NOISE, TickNoise};
 use crate::kinds::gap_fill::run::Proven;
 use crate::kinds::plan::PointsPlan;
@@ -62,7 +61,7 @@ pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [row::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
+    [key::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
 }
 
 /// The keys that can be swept.
@@ -108,8 +107,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     reading.notes.extend(columns::of_motion(&inputs, &points));
     reading.notes.extend(columns::mismatch_note(&points, &fillers));
     reading.notes.extend(columns::interpolation_note(&points, &fillers));
-    reading.precision = row::read(&reading.table)?;
-    reading.notes.extend(reading.precision.as_ref().and_then(row::finer_than_bins));
+    reading.precision = key::read(&reading.table)?;
+    reading.notes.extend(reading.precision.as_ref().and_then(key::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
         (&reading.precision, reading.get(&PRECISION), &inputs.motion.profile)
     {

@@ -3,7 +3,7 @@
 use crate::chart::Law;
 use crate::filler::read::Error;
 use crate::filler::{Filler, latency_ticks};
-use crate::key::row::{Precision, Refusal};
+use crate::key::{Precision, Refusal};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Judge, Row, Size, Tuning, columns, tuned};
 use crate::kinds::gap_fill::inputs::{Inputs, Point};

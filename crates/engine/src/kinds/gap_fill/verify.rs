@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::device::Load;
 use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::row::{Refusal, Streams};
+use crate::key::{Refusal, Streams};
 use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::motion::keys::{Design, Interpolation, Phase, Position};

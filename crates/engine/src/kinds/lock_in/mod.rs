@@ -5,8 +5,8 @@ pub(crate) mod run;
 pub mod verify;
 
 use crate::key::document::Places;
-use crate::key::row::{Holds, Key, Reading, keys, measure, words};
 use crate::key::sweep::{self, Setting, Swept};
+use crate::key::{Holds, Key, Reading, keys, measure, words};
 use crate::kinds::allan;
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::motion::Motion;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::chart::{Ground, Source};
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::allan::coefficients;
 use crate::kinds::allan::columns::{CoefficientRow, coefficient_columns};
 use crate::kinds::allan::run::{Found, check_fit, geometry};

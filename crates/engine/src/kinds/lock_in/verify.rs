@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::device::{Load, Work};
-use crate::key::row::Streams;
+use crate::key::Streams;
 use crate::kinds::lock_in::lower::Gyros;
 use crate::kinds::lock_in::{Dither, Inputs, Point, Readout, Times};
 use crate::motion::{Motion, Tone};

@@ -18,9 +18,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::key::row::{Refusal, Streams, shown};
 use crate::key::sensitivity::Uncertain;
-use crate::key::sweep;
+use crate::key::{Refusal, Streams, shown, sweep};
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::allan::lower::{Asked, DEVIATIONS, Records};
 use crate::kinds::gap_fill::lower::words_of;

@@ -9,9 +9,9 @@ pub mod verify;
 use std::sync::Arc;
 
 use crate::chart::{Ground, Source};
-use crate::key::row::{Holds, Key, Reading, keys, measure, words};
 use crate::key::sensitivity::{self, Uncertain};
 use crate::key::sweep::{self, Setting};
+use crate::key::{Holds, Key, Reading, keys, measure, words};
 use crate::kinds::navigation::columns::{LAWS, OF_FILTERS};
 pub use crate::kinds::navigation::point::{Inputs, Point};
 use crate::noise::{self, FILE, WrittenNoise, coefficient_values, swept_files, values};

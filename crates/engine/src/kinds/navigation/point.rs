@@ -7,8 +7,8 @@ use miette::NamedSource;
 use serde::de::{Deserialize, Deserializer, Error};
 use serde_json::value::RawValue;
 
+use crate::key::Reading;
 use crate::key::document::Places;
-use crate::key::row::Reading;
 use crate::key::sweep::{self, Sweep, Swept, selected};
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::{FILTER, Lack, SETTINGS, Solution};

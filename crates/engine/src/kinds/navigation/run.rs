@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro, PhysicalTheory};

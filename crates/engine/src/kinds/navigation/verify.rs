@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::device::{Load, Work};
-use crate::key::row::Streams;
+use crate::key::Streams;
 use crate::kinds::navigation::lower::Lowered;
 use crate::kinds::navigation::{Inputs, Navigation, Point, Solution};
 use crate::noise::{Noise, Switching};

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::key::row::{Refusal, Streams, shown};
+use crate::key::{Refusal, Streams, shown};
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::plan::identity;
 use crate::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};

@@ -7,8 +7,8 @@ pub mod verify;
 use std::sync::Arc;
 
 use crate::chart::{Ground, Law, Source, Text};
-use crate::key::row::{Holds, Key, Reading, keys, measure, unlimited, words};
 use crate::key::sweep::{self, Setting, Swept};
+use crate::key::{Holds, Key, Reading, keys, measure, unlimited, words};
 use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::kinds::{self, TICK};

@@ -1,7 +1,7 @@
 //! Named relocks that cover every distinction made by the kernel.
 
 use crate::device::Load;
-use crate::key::row::Streams;
+use crate::key::Streams;
 use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
 use sagnac_kernel::launch::Launch;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::chart::{Ground, Source};
-use crate::key::row::{Holds, Key, Reading, keys, measure};
 use crate::key::sweep::{self, Setting, Swept};
+use crate::key::{Holds, Key, Reading, keys, measure};
 use crate::kinds::plan::{Exact, table};
 use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use crate::sampling::Planned;

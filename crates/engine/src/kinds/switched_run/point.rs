@@ -2,8 +2,8 @@
 
 use crate::drift::{self, Drift, End, Schedule};
 use crate::key::document::Places;
-use crate::key::row::{Holds, Key, Reading, keys};
 use crate::key::sweep::{self, Sweep, Swept};
+use crate::key::{Holds, Key, Reading, keys};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::{self, Compensation, LOOP_SETTINGS as RELOCK_SETTINGS, RELOCK_TABLE, Relock};
 use sagnac_base::quantity::number::significant;

@@ -6,7 +6,7 @@
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
 
-use crate::key::row::{Refusal, shown};
+use crate::key::{Refusal, shown};
 use crate::kinds::allan::lower::theory::{PhysicalTheory, Theory, check_decay};
 use crate::kinds::allan::lower::{
     DEVIATIONS, Markov, Model, Noise, Records, Sine, WarmUp, impossible, reach,

@@ -12,7 +12,7 @@ pub mod theory;
 
 use core::f64::consts::PI;
 
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::allan::lower::fixed::Fixed;
 pub use crate::kinds::allan::lower::theory::Theory;
 use crate::kinds::gap_fill::lower::words_of;

@@ -11,7 +11,7 @@
 //! G(k)·e^{−λk} over ramp, warm-ups and the alternating drift, where G has the period of two intervals between switches:
 //! the mean of their square is a geometric sum for each residue of k.
 
-use crate::key::row::{Refusal, Streams, shown};
+use crate::key::{Refusal, Streams, shown};
 use crate::kinds::allan::lower::fixed::{self, Fixed, SIGMA_UNITS, TURN, loss};
 use crate::kinds::allan::lower::{Asked, Markov, Model, Noise, Records, Sine, reach};
 use crate::kinds::allan::{Inputs as RecordInputs, Point, Point as RecordPoint};

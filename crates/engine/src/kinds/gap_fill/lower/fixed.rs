@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::filler::read::Error;
 use crate::filler::{Filler, Method, Target};
-use crate::key::row::{Refusal, shown};
+use crate::key::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, Rounded, ToneKind};
 use crate::kinds::gap_fill::lower::physical_theory::Boundaries;

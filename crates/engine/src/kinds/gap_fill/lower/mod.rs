@@ -33,7 +33,7 @@ use std::sync::Arc;
 
 use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::row::{Refusal, Streams};
+use crate::key::{Refusal, Streams};
 use crate::kinds::gap_fill::inputs::{Designed, Point};
 use crate::kinds::gap_fill::lower::fixed::{
     ANGLE_UNITS, CONSTANT_UNITS, DEFAULT_SIDES, Fixed, FixedTone, PEAK_UNITS, RAYLEIGH_UNIT, SIGMA_UNITS,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::sync::{Arc, Weak};
 
 use crate::filler::read::Error;
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::fixed::FixedProfile;
 use crate::kinds::gap_fill::lower::readout::{self, Functional, Response};

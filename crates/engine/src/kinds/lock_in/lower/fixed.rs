@@ -3,7 +3,7 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
-use crate::key::row::{Refusal, shown};
+use crate::key::{Refusal, shown};
 use crate::kinds::lock_in::lower::{self, Steps, largest};
 use crate::kinds::lock_in::{AMPLITUDE_NOISE, DITHER_RATE, Inputs, LENGTH, Readout, THRESHOLD, Times};
 use crate::motion::Motion;

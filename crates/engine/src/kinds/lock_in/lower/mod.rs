@@ -17,8 +17,8 @@ pub(crate) mod fixed;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use crate::key::row::{Key, Reading, Refusal, Streams, shown};
 use crate::key::sweep::Setting;
+use crate::key::{Key, Reading, Refusal, Streams, shown};
 use crate::kinds::allan::lower::levels;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::lock_in::lower::fixed::Fixed;
@@ -552,7 +552,7 @@ pub(crate) fn angles(motion: &Motion, step_s: f64, count: usize) -> Result<Vec<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::row::Streams;
+    use crate::key::Streams;
     use crate::kinds::lock_in::verify::checked;
     use crate::kinds::lock_in::{Dither, Inputs, Point};
     use sagnac_theory::allan::Estimator;

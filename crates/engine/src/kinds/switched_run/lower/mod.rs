@@ -7,7 +7,7 @@ pub(crate) mod theory;
 use crate::drift::{End, Schedule};
 use crate::filler::Filler;
 use crate::filler::read::Error;
-use crate::key::row::{Refusal, Streams};
+use crate::key::{Refusal, Streams};
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words, mask};
 use crate::kinds::gap_fill::lower::physical::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::physical_theory::{PhysicalTheory, Switch};

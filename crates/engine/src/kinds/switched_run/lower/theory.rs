@@ -7,7 +7,7 @@ use core::f64::consts::{LOG2_E, PI};
 use std::sync::Arc;
 
 use crate::drift::{End, Schedule};
-use crate::key::row::Refusal;
+use crate::key::Refusal;
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS};
 use crate::kinds::gap_fill::lower::physical_theory::Switch;
 use crate::kinds::relock::lower::{FixedRelock, MAX_LEFT, PILOT, method};
