@@ -106,7 +106,7 @@ impl File {
     ///
     /// # Example
     /// ```
-    /// # use sagnac::{chart::file::Source, described::File, kinds::gap_fill::kind::GAP_FILL};
+    /// # use sagnac::{chart::Source, described::File, kinds::gap_fill::GAP_FILL};
     /// let points = File::of_study(&GAP_FILL, Source::Points).unwrap();
     /// assert!(points.column("rms_arcsec").unwrap().starts_with("Root mean square"));
     /// assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));

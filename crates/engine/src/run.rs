@@ -1,4 +1,5 @@
-//! Running a study: missing trials are sampled and added to the store, and then everything stored is tabulated.
+//! Running a study: missing trials are sampled and added to the store, then everything stored is tabulated; and storage of the
+//! study with its results.
 
 use std::collections::HashSet;
 

@@ -1,12 +1,6 @@
 //! The study: the user's text, read, checked and expanded into points.
 //!
 //! ```text
-//! text ─ toml ─▶ file ─ scalar, units ─▶ Inputs, Sweeps ─ expand, check ─▶ Points
-//! ```
-//!
-//! All faults are found here, before any work, and reported with their place in the file.
-//!
-//! ```text
 //! text ─ toml ─▶ table ─ keys, units ─▶ inputs, sweeps ─ expand, check ─▶ points
 //! ```
 //!

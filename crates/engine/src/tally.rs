@@ -3,12 +3,12 @@
 //! Two blocks nest or are disjoint, so a set of rows folds to one answer in any order, however it was written.
 //!
 //! ```
-//! use sagnac_engine::tally::share::Share;
+//! use sagnac_engine::tally::Share;
 //!
 //! let shares = [1, 2, 3].map(|number| Share::new(number, 3).unwrap().trials(1_000_000, 0));
 //! assert!(shares[0].end == shares[1].start && shares[1].end == shares[2].start && shares[2].end == 1_000_000);
 //! assert_eq!("2/3".parse::<Share>()?, Share::new(2, 3).unwrap());
-//! # Ok::<(), sagnac_engine::tally::share::ShareError>(())
+//! # Ok::<(), sagnac_engine::tally::ShareError>(())
 //! ```
 
 use core::fmt;

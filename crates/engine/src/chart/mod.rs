@@ -1,5 +1,5 @@
-//! The specification of a chart, as given in a study and as drawn. Columns are given by name and not yet looked up in a
-//! table.
+//! The specification of a chart, as given in a study and as drawn; its reference curves, and what is known of its table before
+//! anything is sampled. Columns are given by name and not yet looked up in a table.
 
 pub(crate) mod read;
 

@@ -1,4 +1,4 @@
-//! Reading of the charts of a study.
+//! Reading of the charts of a study, and the charts of a study that names none.
 
 use crate::chart::{
     CHART, Chart, ChartKind, Ground, KIND, LAWS, LIMIT, Law, Limit, Named, OF, Requirement, SERIES, Shows,

@@ -1,4 +1,4 @@
-//! The processor and GPUs, on which the kernels give the same bits.
+//! The processor and GPUs, on which the kernels give the same bits; their jobs, errors and loads for tests.
 
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;

@@ -1,4 +1,4 @@
-//! Fillers: the ways to fill the gap.
+//! Fillers: the ways to fill the gap; the ticks that they use, and the specification for which they are designed.
 
 pub mod read;
 

@@ -1,4 +1,4 @@
-//! Explanations of the keys of a study file, from their rows.
+//! What is said of keys, from their rows: explanations, the JSON schema, and the names of earlier versions.
 
 use std::borrow::Cow;
 use std::collections::HashSet;

@@ -1,4 +1,4 @@
-//! A value as written in a study, and its reading.
+//! The tables and values of a study as written, their reading, and their places in the text.
 
 use std::fmt;
 use std::ops::Range;

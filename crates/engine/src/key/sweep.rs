@@ -1,4 +1,4 @@
-//! Sweeps: the values of one key from point to point.
+//! Sweeps: the values of one key from point to point; and the settings that put them into inputs.
 
 use std::collections::HashSet;
 use std::fmt;

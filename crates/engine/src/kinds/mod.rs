@@ -1,4 +1,4 @@
-//! The kinds of study, each in a folder with everything specific to it.
+//! The kinds of study, each in a folder with everything specific to it, and the keys of all of them.
 //!
 //! The rest of the library knows them only as entries of [`KINDS`].
 
@@ -31,7 +31,7 @@ pub static KINDS: [&Kind; 8] = [
     &allan::ALLAN,
     &switched_run::SWITCHED_RUN,
     &relock::RELOCK,
-    &lock_in::run::LOCK_IN,
+    &lock_in::LOCK_IN,
     &drift_budget::DRIFT_BUDGET,
     &suspension::SUSPENSION,
     &navigation::NAVIGATION,

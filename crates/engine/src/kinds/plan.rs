@@ -1,4 +1,4 @@
-//! Plans of kinds whose points are sampled by launches.
+//! Plans of kinds: points that are sampled by launches, and closed forms; and the tables that they make.
 
 use std::cell::Cell;
 use std::fmt;

@@ -1,4 +1,4 @@
-//! The motion of the base at one point, in ″ and s.
+//! The motion of the base at one point, in ″ and s: tones, vibration through the suspension, and recorded motion.
 
 pub mod keys;
 

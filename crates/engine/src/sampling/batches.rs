@@ -1,4 +1,4 @@
-//! Sampling of the trials that the store lacks of some launches, batch by batch.
+//! Sampling of the trials and records that the store lacks, batch by batch; a batch is stored while the device works on the next.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;

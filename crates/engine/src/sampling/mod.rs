@@ -1,4 +1,5 @@
-//! Sampling of the trials that a store lacks, batch by batch, on a device whose failures do not end a run.
+//! Sampling of the trials that a store lacks: the plan of a study, the estimates that it finds, and a device whose failures do not
+//! end a run.
 
 pub(crate) mod batches;
 

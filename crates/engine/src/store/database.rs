@@ -1,4 +1,4 @@
-//! The database under a store: opening, checking, reading and inserting.
+//! The database under a store: its schema, opening, checking, reading and inserting.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

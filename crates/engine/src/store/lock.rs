@@ -1,4 +1,4 @@
-//! Exclusive use of a results folder, with the name of the program that has it.
+//! Exclusive use of a results folder, with the name of the program that has it, and the sessions that wrote to it.
 //!
 //! The lock is one of the operating system on a file beside the database; it ends with the program that holds it,
 //! however that ends. SQLite's own lock on the database is a second guard for file systems without such locks.

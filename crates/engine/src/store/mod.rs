@@ -7,7 +7,7 @@
 //!
 //! ```
 //! # use sagnac_base::progress::Silent;
-//! # use sagnac_engine::{run::Plan, study::Study, tally::share::Share, verify::select};
+//! # use sagnac_engine::{run::Plan, study::Study, tally::Share, verify::select};
 //! use sagnac_engine::store::{FILE, Source, Store};
 //! # let text = "title = \"Noise\"\nkind = \"gap-fill\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n\
 //! #     [motion]\nrate = \"0 deg/s\"\n[switching]\ngap_ticks = 2\nfillers = [\"const\"]\nerrors = [\"residual\"]\n";

@@ -1,4 +1,4 @@
-//! Rows as stored in the database, and their checks.
+//! Rows as stored in the database, their encoding and their checks.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The store of another results folder, to be merged or checked.
+//! The store of another results folder, to be merged or checked; and the check of the rows of a store.
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;

@@ -1,4 +1,5 @@
-//! The adapters of this machine.
+//! The adapters of this machine: their names, whether their drivers are trusted, how long a driver may take, and faults for
+//! tests.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! The GPU: the kernels as compute shaders, through wgpu on Vulkan, Metal or DX12.
+//! The GPU: the kernels as compute shaders, through wgpu on Vulkan, Metal or DX12; its pipelines and buffers.
 
 pub mod adapter;
 pub(crate) mod tile;

@@ -1,4 +1,4 @@
-//! Tiles, the units of work of the device, in reused buffers.
+//! Tiles, the units of work of the device, in reused buffers: of trials, and of records.
 
 use std::ops::Range;
 use std::sync::Arc;

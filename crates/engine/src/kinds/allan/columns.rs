@@ -1,4 +1,5 @@
-//! The columns of a study of Allan curves, with a row for each point and averaging time, and of its coefficients.
+//! The columns and notes of a study of Allan curves, and what it estimates: a row for each point and averaging time, and of its
+//! coefficients.
 
 use rayon::prelude::*;
 

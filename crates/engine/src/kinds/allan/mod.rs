@@ -1,4 +1,4 @@
-//! Studies of Allan curves: the record, its noise and its estimates.
+//! Studies of Allan curves: the points with their records and noise, the keys, and the entry in the list of kinds.
 
 pub mod columns;
 pub mod lower;

@@ -1,4 +1,5 @@
-//! Running a study of Allan curves: records that the store lacks are made batch by batch.
+//! Running a study of Allan curves: records that the store lacks are made batch by batch, then tabulated as curves and
+//! coefficients; and the realizations from which coefficients get their bands.
 
 use std::sync::Arc;
 

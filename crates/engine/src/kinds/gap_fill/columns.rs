@@ -1,4 +1,4 @@
-//! The columns of a gap-fill study, with a row for each point, filler and error.
+//! The columns and notes of a gap-fill study, with a row for each point, filler and error.
 //!
 //! A filler that is designed for the motion of its study looks better there than in a gyro, whose motion is never known
 //! exactly. Of a recorded motion, fillers are judged on the half from which they were not designed. Any other motion is

@@ -1,4 +1,4 @@
-//! The physical inputs of one point, in ″ and s.
+//! The points of a gap-fill study and their physical inputs, in ″ and s, with the keys that set them.
 
 use std::collections::HashMap;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! Gap-fill studies: the motion, the mode switch and the fillers to compare.
+//! Gap-fill studies: the motion, the mode switch and the fillers to compare; their entry in the list of kinds.
 
 pub mod columns;
 pub mod inputs;

@@ -1,4 +1,4 @@
-//! Running a gap-fill study: trials that the store lacks are sampled, and what it holds is tabulated.
+//! Running a gap-fill study: points are checked, trials that the store lacks are sampled, and what it holds is tabulated.
 
 use crate::chart::Law;
 use crate::filler::read::Error;

@@ -1,18 +1,29 @@
-//! Studies of lock-in and dither: what a ring laser gyro puts out near its reversals, from its physics.
+//! Studies of lock-in and dither: what a ring laser gyro puts out near its reversals, from its physics. Inputs, points, and
+//! the entry in the list of kinds.
 
 pub mod lower;
 pub(crate) mod run;
 pub mod verify;
 
+use std::sync::Arc;
+
+use crate::chart::{Ground, Source};
 use crate::key::document::Places;
 use crate::key::sweep::{self, Setting, Swept};
 use crate::key::{Holds, Key, Reading, keys, measure, words};
-use crate::kinds::allan;
+use crate::kinds::allan::columns::coefficient_columns;
 use crate::kinds::allan::lower::MAX_SAMPLES;
+use crate::kinds::allan::{self, coefficients};
+use crate::kinds::lock_in::run::{Plan, columns};
 use crate::motion::Motion;
+use crate::sampling::Planned;
+use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::table::column::abouts;
+use sagnac_kernel::lock_in::VERSION;
 use sagnac_records::allan::deviation::Deviation;
 use sagnac_records::allan::tau::{TauError, Taus};
 use sagnac_records::fit::choose::Terms;
@@ -198,7 +209,7 @@ const WALKS: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e3, "0 to 1e3 
 const FACTORS: Holds = measure(&[Dimension::Ratio], 0.25, 16.0, "0.25 to 16");
 const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e6, "0.001 Hz to 1e6 Hz");
 const AMPLITUDES: Holds = measure(&[Dimension::Rate], 1e-6, 1e9, "1e-6 to 1e9 arcsec/s");
-const PARTS: Holds = measure(&[Dimension::Ratio], 0.0, 0.1, "0 to 0.1, or 0 % to 10 %");
+const RATIOS: Holds = measure(&[Dimension::Ratio], 0.0, 0.1, "0 to 0.1, or 0 % to 10 %");
 const PHASES: Holds = measure(&[Dimension::Angle], 0.0, 36_000.0, "0 to 10 deg");
 const RATES: Holds = measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s");
 const RAMPS: Holds = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-1e9 to 1e9 arcsec/s^2");
@@ -212,7 +223,7 @@ keys! {
     /// Scale factor q, the input angle of one period of the beat: "2 arcsec/pulse".
     pub SCALE_FACTOR = "gyro.scale_factor", "scale factor", Choice, SCALES, r#"scale_factor = "2 arcsec/pulse""#, required;
     /// Lock-in of the two beams.
-    LOCK_IN = "lock_in", "", Fixed, Holds::Table, "[lock_in]\nthreshold = \"180 arcsec/s\"";
+    LOCK_IN_TABLE = "lock_in", "", Fixed, Holds::Table, "[lock_in]\nthreshold = \"180 arcsec/s\"";
     /// Lock-in threshold Ω_L, the largest rate that a gyro without dither does not see: "180 arcsec/s".
     pub THRESHOLD = "lock_in.threshold", "lock-in threshold", Condition, THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
     /// White phase noise of the beam, as the angle random walk that it causes without lock-in; 0 if absent.
@@ -227,10 +238,10 @@ keys! {
     /// Amplitude Ω_D of the dither rate: "100 deg/s".
     pub DITHER_RATE = "dither.rate", "amplitude of the dither rate", Choice, AMPLITUDES, r#"rate = "100 deg/s""#, required;
     /// Randomization: standard deviation of the amplitude, independent in each half-cycle, as a part of the amplitude; 0 if absent.
-    pub AMPLITUDE_NOISE = "dither.amplitude_noise", "amplitude noise of the dither", Choice, PARTS, r#"amplitude_noise = "2 %""#;
+    pub AMPLITUDE_NOISE = "dither.amplitude_noise", "amplitude noise of the dither", Choice, RATIOS, r#"amplitude_noise = "2 %""#;
     /// Standard deviation of the step of the amplitude's random walk from half-cycle to half-cycle, as a part of the amplitude; 0 if
     /// absent.
-    AMPLITUDE_WALK = "dither.amplitude_walk", "amplitude walk of the dither", Choice, PARTS, r#"amplitude_walk = "0.01 %""#;
+    AMPLITUDE_WALK = "dither.amplitude_walk", "amplitude walk of the dither", Choice, RATIOS, r#"amplitude_walk = "0.01 %""#;
     /// Standard deviation of the dither's phase at each reversal, which leaves the zero crossings where they are; 0 if absent.
     PHASE_NOISE = "dither.phase_noise", "phase noise of the dither", Choice, PHASES, r#"phase_noise = "0.5 deg""#;
     /// The angle that is put out; "stripped" if absent.
@@ -417,3 +428,70 @@ fn factors(
     }
     Ok(ms)
 }
+
+/// The output of a gyro with lock-in and dither.
+pub(crate) static LOCK_IN: Kind = Kind {
+    name: "lock-in",
+    subject: "The output of a ring laser gyro with lock-in and dither: scale factor, lock-in zones and angle random walk.",
+    about: "Integrates the beat phase of many gyros with lock-in, with or without dither. points.csv has the mean output rate, \
+            `mean_rate`, and the angle random walk that lock-in leaves, `angle_random_walk`, beside their closed forms where there \
+            are any; with [allan], a row for each averaging time, and coefficients.csv where coefficients are fitted.",
+    template: include_str!("template.toml"),
+    is_exact: false,
+    trials: 256,
+    needs: &["gyro", "lock_in", "record"],
+    keys,
+    sweepable,
+    columns: &[
+        (Source::Points, || abouts(&columns())),
+        (Source::Coefficients, || abouts(&coefficient_columns())),
+    ],
+    kernels: || format!("lock_in {VERSION}"),
+    loads: crate::kinds::lock_in::verify::loads,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+impl Subject for LockInStudy {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let plan = Plan::new(study, self, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let Point { swept, inputs, times } = self.points.get(point)?;
+        let (parts, inputs) = study::points(inputs, &PARTS);
+        let of = |inputs| Point { swept: swept.clone(), inputs, times: times.clone() };
+        let points = inputs.into_iter().map(of).collect();
+        Some(Dissected { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })
+    }
+
+    fn bytes(&self) -> u64 {
+        ROW * self.points.iter().map(|point| point.times.ms.len() as u64).sum::<u64>()
+    }
+
+    fn grounds(&self) -> Vec<Ground> {
+        let limits = &[Dimension::ShortAngleRandomWalk, Dimension::Rate];
+        vec![Ground::of(Source::Points, abouts(&columns()), [], limits), coefficients(self.terms.as_ref())]
+    }
+}
+
+/// All parts. The threshold has no value without lock-in, so a negligible one takes its place.
+pub(crate) static PARTS: [Part<Inputs>; 5] = [
+    Part { name: "lock-in", off: |inputs| inputs.threshold *= NEGLIGIBLE },
+    Part { name: "noise of the beam", off: |inputs| inputs.beam_noise = 0.0 },
+    Part {
+        name: "amplitude noise of the dither",
+        off: |inputs| with_dither(inputs, |dither| dither.amplitude_noise = 0.0),
+    },
+    Part {
+        name: "amplitude walk of the dither",
+        off: |inputs| with_dither(inputs, |dither| dither.amplitude_walk = 0.0),
+    },
+    Part {
+        name: "phase noise of the dither",
+        off: |inputs| with_dither(inputs, |dither| dither.phase_noise = 0.0),
+    },
+];
+
+/// Part of the threshold that has no effect.
+const NEGLIGIBLE: f64 = 1e-6;

@@ -1,30 +1,24 @@
-//! The entry of lock-in studies in the list of kinds.
-
-use std::sync::Arc;
+//! The columns of a study of lock-in, and its run: gyros that the store lacks are sampled batch by batch.
 
 use rayon::prelude::*;
 
-use crate::chart::{Ground, Source};
 use crate::key::Refusal;
-use crate::kinds::allan::coefficients;
 use crate::kinds::allan::columns::{CoefficientRow, coefficient_columns};
 use crate::kinds::allan::run::{Found, check_fit, geometry};
 use crate::kinds::lock_in::lower::{self, Gyros, Zone, failing};
-use crate::kinds::lock_in::{Dither, Inputs, LockInStudy, Point, Times, keys, read, sweepable};
+use crate::kinds::lock_in::{LockInStudy, Point, Times};
 use crate::kinds::plan::table;
 use crate::sampling::batches::{Records, Wanted, held_by_all};
-use crate::sampling::{self, Done, Planned, RunError, Tables, Worker};
+use crate::sampling::{self, Done, RunError, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
-use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::study::Study;
 use crate::tally::{Id, NORMAL_95, Share, z_score};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::StudyError;
-use sagnac_base::table::column::{Band, abouts};
+use sagnac_base::table::column::Band;
 use sagnac_base::table::{ColumnOf, Role, Unit, Usual};
-use sagnac_kernel::lock_in::VERSION;
 use sagnac_records::allan::unit::Unit as RecordUnit;
 use sagnac_records::fit::choose::Terms;
 use sagnac_records::fit::coefficient::Fit;
@@ -32,79 +26,6 @@ use sagnac_records::fit::fitter::Fitter;
 use sagnac_records::fit::quantity::Quantity;
 use sagnac_theory::allan::terms::Term;
 use sagnac_theory::lock_in::Premise;
-
-/// The output of a gyro with lock-in and dither.
-pub(crate) static LOCK_IN: Kind = Kind {
-    name: "lock-in",
-    subject: "The output of a ring laser gyro with lock-in and dither: scale factor, lock-in zones and angle random walk.",
-    about: "Integrates the beat phase of many gyros with lock-in, with or without dither. points.csv has the mean output rate, \
-            `mean_rate`, and the angle random walk that lock-in leaves, `angle_random_walk`, beside their closed forms where there \
-            are any; with [allan], a row for each averaging time, and coefficients.csv where coefficients are fitted.",
-    template: include_str!("template.toml"),
-    is_exact: false,
-    trials: 256,
-    needs: &["gyro", "lock_in", "record"],
-    keys,
-    sweepable,
-    columns: &[
-        (Source::Points, || abouts(&columns())),
-        (Source::Coefficients, || abouts(&coefficient_columns())),
-    ],
-    kernels: || format!("lock_in {VERSION}"),
-    loads: crate::kinds::lock_in::verify::loads,
-    read: |reading| Ok(Arc::new(read(reading)?)),
-};
-
-impl Subject for LockInStudy {
-    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
-        let plan = Plan::new(study, self, progress)?;
-        Ok(plan.map(|plan| Box::new(plan) as _))
-    }
-
-    fn dissected(&self, point: usize) -> Option<Dissected> {
-        let Point { swept, inputs, times } = self.points.get(point)?;
-        let (parts, inputs) = study::points(inputs, &PARTS);
-        let of = |inputs| Point { swept: swept.clone(), inputs, times: times.clone() };
-        let points = inputs.into_iter().map(of).collect();
-        Some(Dissected { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })
-    }
-
-    fn bytes(&self) -> u64 {
-        ROW * self.points.iter().map(|point| point.times.ms.len() as u64).sum::<u64>()
-    }
-
-    fn grounds(&self) -> Vec<Ground> {
-        let limits = &[Dimension::ShortAngleRandomWalk, Dimension::Rate];
-        vec![Ground::of(Source::Points, abouts(&columns()), [], limits), coefficients(self.terms.as_ref())]
-    }
-}
-
-/// All parts. The threshold has no value without lock-in, so a negligible one takes its place.
-pub(crate) static PARTS: [Part<Inputs>; 5] = [
-    Part { name: "lock-in", off: |inputs| inputs.threshold *= NEGLIGIBLE },
-    Part { name: "noise of the beam", off: |inputs| inputs.beam_noise = 0.0 },
-    Part {
-        name: "amplitude noise of the dither",
-        off: |inputs| with_dither(inputs, |dither| dither.amplitude_noise = 0.0),
-    },
-    Part {
-        name: "amplitude walk of the dither",
-        off: |inputs| with_dither(inputs, |dither| dither.amplitude_walk = 0.0),
-    },
-    Part {
-        name: "phase noise of the dither",
-        off: |inputs| with_dither(inputs, |dither| dither.phase_noise = 0.0),
-    },
-];
-
-/// Part of the threshold that has no effect.
-const NEGLIGIBLE: f64 = 1e-6;
-
-fn with_dither(inputs: &mut Inputs, off: impl FnOnce(&mut Dither)) {
-    if let Some(dither) = &mut inputs.dither {
-        off(dither);
-    }
-}
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {

@@ -1,4 +1,4 @@
-//! The columns of a study of navigation, with a row for each point.
+//! The columns of a study of navigation, with a row for each point, and what its filters claim.
 
 use crate::chart::Law;
 use crate::kinds::navigation::Solution;

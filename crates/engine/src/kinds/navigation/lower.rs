@@ -8,7 +8,7 @@
 //!
 //! Words, weights and headroom: `docs/dev/numerics.md`, "Errors of a navigator".
 //!
-//! All parts are normal except sines and the part D sin φ of fill residuals. Mean and covariance hold for these too, and
+//! In the closed form of the words, all parts are normal except sines and the part D sin φ of fill residuals. Mean and covariance hold for these too, and
 //! their sum over many switches is nearly normal.
 //!
 //! Each word is within half its unit of what it stands for, and so is each weight.

@@ -1,4 +1,5 @@
-//! Studies of navigation: the errors of heading, velocity and position that the noise of gyros leaves.
+//! Studies of navigation: the errors of heading, velocity and position that the noise of gyros leaves; their keys, the parts
+//! of the error, and the entry in the list of kinds.
 
 pub(crate) mod columns;
 pub mod lower;

@@ -1,4 +1,4 @@
-//! Points of a study of navigation, each checked as a whole.
+//! Points of a study of navigation, each checked as a whole, with the filter of each.
 
 use std::ops::Range;
 use std::sync::Arc;

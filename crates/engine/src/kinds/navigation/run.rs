@@ -1,4 +1,5 @@
-//! Running a study of navigation: records that the store lacks are made batch by batch, and then become errors.
+//! Running a study of navigation: records that the store lacks are made batch by batch, and then become errors with their
+//! radial quantiles.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 

@@ -1,6 +1,6 @@
 //! Lowering of a relock: words of the kernel, and the estimates of each compensation.
 //!
-//! The angle that a miss Δλ0 leaves in some ticks is C·Δλ0². Z(11) over tick i is C_i = 2χ f0 τ_L q^{2i−1} sinh²(T/2τ_L), and
+//! In the closed form of the inputs, the angle that a miss Δλ0 leaves in some ticks is C·Δλ0². Z(11) over tick i is C_i = 2χ f0 τ_L q^{2i−1} sinh²(T/2τ_L), and
 //! over the first m ticks it is ½χ f0 τ_L tanh(T/2τ_L)(1 − q^{2m}), with q = e^{−T/τ_L} and f0 in ″/s. Units, words and the
 //! bias lost in half-ticks, of which lowering makes the angles, do not occur.
 

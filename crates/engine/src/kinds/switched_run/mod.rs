@@ -1,4 +1,4 @@
-//! Studies of whole runs of a gyro that switches modes.
+//! Studies of whole runs of a gyro that switches modes: their keys, the parts of the error, and the entry in the list of kinds.
 
 pub mod lower;
 pub mod point;

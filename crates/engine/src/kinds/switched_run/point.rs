@@ -1,4 +1,4 @@
-//! Points of a study of whole runs, each checked as a whole.
+//! Points of a study of whole runs, each checked as a whole, with the relock of each switch.
 
 use crate::drift::{self, Drift, End, Schedule};
 use crate::key::document::Places;

@@ -1,6 +1,7 @@
-//! The columns of a study of whole runs, with a row for each point, filler and angle, and of their trajectories.
+//! The columns of a study of whole runs, with a row for each point, filler and angle, and its run with the table of
+//! trajectories.
 //!
-//! They are few and made on the processor, whatever the device, because the bits are the same.
+//! Trajectories are few and made on the processor, whatever the device, because the bits are the same.
 
 use crate::drift::End;
 use crate::filler::{FILLERS, LISTED};
