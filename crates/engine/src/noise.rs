@@ -529,11 +529,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<WrittenNoise, Wrong> {
 }
 
 /// Reads the noise file of this name, which is a `[noise]` table by itself; the name is at `span` of the study.
-pub(crate) fn read_file(
-    name: &str,
-    span: Range<usize>,
-    files: &Files,
-) -> Result<(Noise, Vec<String>), Wrong> {
+fn read_file(name: &str, span: Range<usize>, files: &Files) -> Result<(Noise, Vec<String>), Wrong> {
     let path = files.path(name);
     let text = files.text(name, MAX_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());

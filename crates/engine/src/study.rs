@@ -78,7 +78,7 @@ pub struct Study {
 }
 
 /// Most bytes of memory that the points and the tables of a study may take, and so may the trials of one of its points.
-pub(crate) const MAX_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 
 impl Study {
     /// The kind of the study.
@@ -321,7 +321,7 @@ pub struct Written {
     /// The named files, with the places of their names.
     pub(crate) inputs: Vec<Spanned<Input>>,
     /// The end of the value of `kind`, which every study has at its top level.
-    pub(crate) kind_end: usize,
+    kind_end: usize,
     /// The place of the precision.
     pub(crate) precision: Option<Range<usize>>,
 }
@@ -337,12 +337,7 @@ pub struct Input {
 }
 
 /// The files that a study names. A file that could not be read is missing; it has been reported, or is not needed.
-pub(crate) fn inputs(
-    study: &Table,
-    keys: &[&'static Key],
-    sweeps: &[Sweep],
-    files: &Files,
-) -> Vec<Spanned<Input>> {
+fn inputs(study: &Table, keys: &[&'static Key], sweeps: &[Sweep], files: &Files) -> Vec<Spanned<Input>> {
     let written = keys.iter().filter(|key| key.is_file()).filter_map(|key| study.get(key));
     let written = written.map(|given| Spanned::new(given.span(), given.text().to_owned()));
     let named = written.chain(sweeps.iter().flat_map(|sweep| sweep.files.clone()));

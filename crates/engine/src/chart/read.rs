@@ -306,7 +306,7 @@ fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
 /// that follows from a swept key, or over the first swept key that is not a name, with a curve for each value of the
 /// first two other columns. Without any abscissa, the compared values stand side by side. `None` where there is nothing
 /// to draw over.
-pub(crate) fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
+fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
     let y = ground.usual(Usual::Estimate)?.name;
     let is_swept = |name: &str| sweeps.iter().any(|sweep| sweep.key.name == name);
     let abscissa = ground.usual(Usual::Abscissa);
@@ -384,7 +384,7 @@ impl Known<'_> {
     ///
     /// # Errors
     /// No column or several columns match; `cannot` begins the message, such as "`where` cannot choose rows by".
-    pub(crate) fn chooser(self, named: &Named, cannot: &str) -> Result<String, Fault> {
+    fn chooser(self, named: &Named, cannot: &str) -> Result<String, Fault> {
         let texts = self.ground.texts.iter().map(|text| About::named(text.name));
         self.find(texts.chain(self.ground.along().copied()).collect(), named, cannot)
     }
@@ -393,7 +393,7 @@ impl Known<'_> {
     ///
     /// # Errors
     /// It fails where [`Known::chooser`] does.
-    pub(crate) fn coordinate(self, named: &Named, cannot: &str) -> Result<String, Fault> {
+    fn coordinate(self, named: &Named, cannot: &str) -> Result<String, Fault> {
         self.find(self.ground.coordinates().copied().collect(), named, cannot)
     }
 
@@ -423,7 +423,7 @@ impl Known<'_> {
     }
 
     /// The default scale of an axis over this column: that of its sweep, or of the sweep on which it depends, else its own.
-    pub(crate) fn scale_over(self, name: &str) -> Scale {
+    fn scale_over(self, name: &str) -> Scale {
         if self.ground.columns.iter().any(|known| known.is_linear && known.is_called(name)) {
             return Scale::Linear;
         }

@@ -24,7 +24,7 @@ words! {
 }
 
 /// Longest gap, ticks.
-pub(crate) const MAX_GAP: i64 = FARTHEST;
+const MAX_GAP: i64 = FARTHEST;
 
 const LIST: Holds = Holds::List(&Holds::Any);
 

@@ -382,7 +382,7 @@ impl Appended {
 }
 
 /// The column of a swept key, without its cells.
-pub(crate) fn column_of(sweep: &Sweep) -> Column {
+fn column_of(sweep: &Sweep) -> Column {
     Column {
         name: sweep.key.name.to_owned(),
         label: sweep.key.label.to_owned(),

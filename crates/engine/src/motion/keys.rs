@@ -174,7 +174,7 @@ keys! {
 }
 
 /// The density of a rate spectrum, whose reader sets the limits.
-pub(crate) const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
+const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
 pub(crate) const ACCELERATION_DENSITIES: Holds = unlimited(&[Dimension::AccelerationDensity]);
 
 /// The keys of a tone.
@@ -187,7 +187,7 @@ pub(crate) struct ToneKeys {
 }
 
 /// The keys of a single tone.
-pub(crate) const ONE: ToneKeys = ToneKeys {
+const ONE: ToneKeys = ToneKeys {
     amplitude: &AMPLITUDE,
     uniform: &UNIFORM,
     rayleigh: &RAYLEIGH,

@@ -53,7 +53,7 @@ impl<'a> Work<'a> {
 const MAX_JOBS: usize = 1024;
 
 /// Target duration of a batch in seconds, after which results are on disk.
-pub(crate) const BATCH_SECONDS: f64 = 0.3;
+const BATCH_SECONDS: f64 = 0.3;
 
 /// log2 of the most steps of a block. Losing a block with its batch, or waiting for it after a signal, then costs
 /// seconds at most.
@@ -237,7 +237,7 @@ pub(crate) type Storing<'a, T> = &'a mut dyn FnMut(Vec<Row<T>>, Provenance) -> b
 ///
 /// # Errors
 /// Rows cannot be stored, or `sample` fails; all rows that it handed over before are stored.
-pub(crate) fn while_storing<T: Tally + Send, R>(
+fn while_storing<T: Tally + Send, R>(
     store: &mut Store,
     sample: impl FnOnce(Storing<T>) -> Result<R, RunError>,
 ) -> Result<R, RunError> {

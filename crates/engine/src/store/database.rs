@@ -277,7 +277,7 @@ impl Keep for Database {
 const APPLICATION: i32 = 0x5347_4e43;
 
 /// Name and version of this program.
-pub(crate) const PROGRAM: &str = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
+const PROGRAM: &str = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
 
 /// Checks that results may be added to those of `identity`.
 ///

@@ -159,7 +159,7 @@ impl Tally for Rows {
 
 /// Adds the tally of `trials` trials that the bytes encode to `total`, which has a histogram. Returns `None` where the
 /// bytes encode none; `total` is then invalid.
-pub(crate) fn add(bytes: &[u8], trials: u64, total: &mut Moments) -> Option<()> {
+fn add(bytes: &[u8], trials: u64, total: &mut Moments) -> Option<()> {
     let mut rest = bytes;
     let part = Moments {
         count: take(&mut rest)?.try_into().ok().filter(|&count: &u64| count == trials)?,

@@ -72,7 +72,7 @@ const DISCRETE: Capacity = Capacity {
 };
 
 /// Invocations of a workgroup.
-pub(crate) const WORKGROUP: u32 = 64;
+const WORKGROUP: u32 = 64;
 
 /// An adapter of this machine.
 #[derive(Clone)]
@@ -135,12 +135,12 @@ impl Adapter {
     }
 
     /// Number of the vendor, which is that on the PCI bus for a card.
-    pub(crate) fn vendor(&self) -> u32 {
+    fn vendor(&self) -> u32 {
         self.adapter.get_info().vendor
     }
 
     /// Version of its driver; empty where the interface does not give it.
-    pub(crate) fn driver_version(&self) -> String {
+    fn driver_version(&self) -> String {
         self.adapter.get_info().driver_info
     }
 

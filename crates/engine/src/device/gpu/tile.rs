@@ -86,7 +86,7 @@ impl<'a> Part<'a> {
     }
 
     /// Number of trials of a workgroup: as many as give the device `groups` workgroups.
-    pub(crate) fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
+    fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
         let longest = self.launches.iter().map(|launch| launch.steps()).max().unwrap_or(1);
         let rounds = self.trials() / (groups * u64::from(workgroup));
         rounds.clamp(1, (MAX_STEPS / longest).max(1)) * u64::from(workgroup)
@@ -113,7 +113,7 @@ impl<'a> Part<'a> {
 }
 
 /// Columns and rows of a dispatch of some workgroups.
-pub(crate) fn grid(groups: u32) -> [u32; 2] {
+fn grid(groups: u32) -> [u32; 2] {
     [groups.min(GROUPS_PER_ROW), groups.div_ceil(GROUPS_PER_ROW)]
 }
 

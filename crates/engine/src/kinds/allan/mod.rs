@@ -42,17 +42,17 @@ pub struct Allan {
 }
 
 /// Every key of this kind.
-pub(crate) fn keys() -> Vec<&'static Key> {
+fn keys() -> Vec<&'static Key> {
     [KEYS, CURVE_KEYS, noise::KEYS].concat()
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     sweep::keys(&SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
+fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
     reading.set(&mut inputs, &SETTINGS)?;
     let WrittenNoise { noise, written } = noise::read(reading)?;
@@ -139,7 +139,7 @@ keys! {
 }
 
 /// The settings of these keys, except the noise.
-pub(crate) static SETTINGS: [Setting<Inputs>; 3] = [
+static SETTINGS: [Setting<Inputs>; 3] = [
     Setting::new(&SAMPLE, |inputs, sample| inputs.sample_s = sample.value),
     Setting::new(&LENGTH, |inputs, length| inputs.length_s = length.value),
     Setting::new(&RATE, |inputs, rate| inputs.rate = rate.value),
@@ -226,7 +226,7 @@ static OTHERS: [Part<Noise>; 3] = [
 ];
 
 /// A point as it is, and without each term of its noise and each other part in turn.
-pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
     let noise = &point.inputs.noise;
     let (mut names, mut noises) = study::points(noise, &OTHERS);
     for term in Term::EVERY.into_iter().filter(|term| noise.has(*term)) {

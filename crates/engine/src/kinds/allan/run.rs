@@ -367,7 +367,7 @@ impl Plan<'_> {
     /// Whether records are weighted by the covariance estimated from all of them. Overlapping estimates of a record are
     /// fitted as if it were the only one. Adjacent groups, however, scatter more than the closed form says, and for
     /// terms with a time or frequency the closed form takes a second per record.
-    pub(crate) fn are_weighed_together(&self, terms: &Terms) -> bool {
+    fn are_weighed_together(&self, terms: &Terms) -> bool {
         self.allan.estimator.stride == Stride::Cluster || have_shapes(terms)
     }
 

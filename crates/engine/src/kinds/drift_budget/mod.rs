@@ -40,18 +40,18 @@ pub(crate) struct Point {
 }
 
 /// Every key of this kind; a budget has no spreads.
-pub(crate) fn keys() -> Vec<&'static Key> {
+fn keys() -> Vec<&'static Key> {
     [drift::KEYS, drift::SCHEDULE_KEYS].concat()
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     let settings = sweep::keys(&drift::SETTINGS).chain(sweep::keys(&SCHEDULE_SETTINGS));
     settings.filter(|key| keys().iter().any(|known| known.name == key.name)).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
+fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
     reading.table.needed(&RESIDUAL_MAX)?;
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut drift, &drift::SETTINGS)?;
@@ -108,7 +108,7 @@ impl Subject for DriftBudget {
 }
 
 /// All parts.
-pub(crate) static PARTS: [Part<Drift>; 3] = [
+static PARTS: [Part<Drift>; 3] = [
     Part { name: "magnetic drift", off: |drift| (drift.magnetic, drift.initial_magnetic) = (0.0, 0.0) },
     Part { name: "non-magnetic drift", off: |drift| drift.non_magnetic = 0.0 },
     Part { name: "residuals of the switches", off: |drift| drift.residual_max = 0.0 },
@@ -166,7 +166,7 @@ impl<'a> Row<'a> {
 
 /// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
-pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     const RATE: Unit = Unit::ARCSEC_PER_S;
     vec![

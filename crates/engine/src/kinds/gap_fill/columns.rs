@@ -401,7 +401,7 @@ fn sum(noise_rms: f64, parts: impl Iterator<Item = (f64, bool)> + Clone) -> Size
 }
 
 /// The ticks of the motion played faster by a factor, ″, with `sides` ticks on either side of the gap.
-pub(crate) fn played(inputs: &Inputs, speed: f64, sides: usize) -> TickRows {
+fn played(inputs: &Inputs, speed: f64, sides: usize) -> TickRows {
     // A tick of the faster motion is a longer one of the slower motion, whose angles are as much larger.
     inputs.motion.tick_rows(inputs.tick_s * speed, inputs.gap_ticks, sides).scaled(1.0 / speed)
 }
@@ -412,7 +412,7 @@ pub fn of_noise(inputs: &Inputs, ticks: &[i32], weights: &[f64]) -> f64 {
 }
 
 /// The rms residual that some weights leave of a motion, with the noise and pulses of `inputs`, ″.
-pub(crate) fn rms(inputs: &Inputs, ticks: &[i32], weights: &[f64], motion: &TickRows) -> f64 {
+fn rms(inputs: &Inputs, ticks: &[i32], weights: &[f64], motion: &TickRows) -> f64 {
     let noise = inputs.noise_covariance();
     let pairs = || ticks.iter().zip(weights);
     let shared = |(&a, u): (&i32, &f64)| {

@@ -51,7 +51,7 @@ pub enum TickNoise {
 
 impl TickNoise {
     /// The noise with the given three standard deviations, ″.
-    pub(crate) fn from_three_sigma(three_sigma: f64) -> TickNoise {
+    fn from_three_sigma(three_sigma: f64) -> TickNoise {
         TickNoise::Std(round_12(three_sigma / 3.0))
     }
 }

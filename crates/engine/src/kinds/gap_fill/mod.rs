@@ -218,7 +218,7 @@ impl Subject for GapFill {
 }
 
 /// All parts, each of which adds to the ticks.
-pub(crate) static PARTS: [Part<Inputs>; 4] = [
+static PARTS: [Part<Inputs>; 4] = [
     Part { name: "motion", off: rest },
     Part { name: "noise of the ticks", off: |inputs| inputs.tick_noise = TickNoise::Std(0.0) },
     Part { name: "whole pulses of the readout", off: |inputs| inputs.readout_lsb = 0.0 },

@@ -230,7 +230,7 @@ impl Specified {
 }
 
 /// Steps of a trial, which is a single switch.
-pub(crate) const STEPS: u64 = 1;
+const STEPS: u64 = 1;
 
 impl Proof {
     /// # Errors
@@ -379,7 +379,7 @@ impl Launched for Proven<'_> {
 
 impl Plan<'_> {
     /// Doubles the trials of points where an error is not precise enough; returns whether there were any.
-    pub(crate) fn raise_imprecise(&self, wanted: &mut [u64], store: &Store) -> Result<bool, StoreError> {
+    fn raise_imprecise(&self, wanted: &mut [u64], store: &Store) -> Result<bool, StoreError> {
         let Some(precision) = &self.study.precision else { return Ok(false) };
         let mut raised = false;
         for (point, wanted) in self.points.iter().zip(wanted) {
@@ -403,7 +403,7 @@ impl Plan<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub(crate) fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
+    fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
         let Some(precision) = &self.study.precision else { return Ok((0, 0)) };
         let (mut imprecise, mut all) = (0, 0);
         let fillers = self.points.iter().flat_map(|point| point.fillers().map(move |own| (point, own)));

@@ -58,7 +58,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     sweep::keys(&SETTINGS).chain(sweep::keys(&lower::SETTINGS)).collect()
 }
 
@@ -476,7 +476,7 @@ impl Subject for LockInStudy {
 }
 
 /// All parts. The threshold has no value without lock-in, so a negligible one takes its place.
-pub(crate) static PARTS: [Part<Inputs>; 5] = [
+static PARTS: [Part<Inputs>; 5] = [
     Part { name: "lock-in", off: |inputs| inputs.threshold *= NEGLIGIBLE },
     Part { name: "noise of the beam", off: |inputs| inputs.beam_noise = 0.0 },
     Part {

@@ -41,7 +41,7 @@ pub(crate) struct Row<'a> {
     pub(crate) theory: Option<f64>,
     pub(crate) rounding: f64,
     /// Mean output rate in closed form, ″/s.
-    pub(crate) theory_rate: Option<f64>,
+    theory_rate: Option<f64>,
     pub(crate) zone: Option<Zone>,
     /// Mean input rate, ″/s.
     pub(crate) input_rate: f64,

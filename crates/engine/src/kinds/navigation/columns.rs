@@ -50,7 +50,7 @@ impl Quantity {
 }
 
 /// The classes of navigators by the growth of their circular error, nmi/h, the best first.
-pub(crate) const GRADES: [(Law, &str, f64); 3] = [
+const GRADES: [(Law, &str, f64); 3] = [
     (Law::StrategicGrade, "strategic", 0.02),
     (Law::NavigationGrade, "navigation", 1.0),
     (Law::TacticalGrade, "tactical", 10.0),
@@ -302,7 +302,7 @@ fn of(row: &Row, value: impl Fn(&Claim) -> Option<f64>) -> Cell {
 
 /// The columns of a solution with a filter, after those of the heading.
 #[rustfmt::skip]
-pub(crate) fn claims<'a>() -> Vec<ColumnOf<Row<'a>>> {
+fn claims<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
         Of::new("claimed", Unit::ARCSEC, "error of the heading claimed by the filter, σ", |row| of(row, |claim| Some(claim.sigma)))

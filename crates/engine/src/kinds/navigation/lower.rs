@@ -251,7 +251,7 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
 }
 
 /// The random parts of the lowered words, in LSB and samples.
-pub(crate) fn sampled_noise(fixed: &Fixed) -> covariance::Noise {
+fn sampled_noise(fixed: &Fixed) -> covariance::Noise {
     let noise = fixed.noise();
     // Every angle is rounded down to whole LSB.
     let rounded = if fixed.has_angle() { 1.0 / 12.0 } else { 0.0 };
@@ -268,7 +268,7 @@ pub(crate) fn sampled_noise(fixed: &Fixed) -> covariance::Noise {
 
 impl LoweredGyro {
     /// The weights of an error, in its unit per LSB.
-    pub(crate) fn weights_of(&self, error: usize) -> Vec<f64> {
+    fn weights_of(&self, error: usize) -> Vec<f64> {
         self.weights[error].iter().map(|weight| f64::from(*weight) * self.units[error]).collect()
     }
 

@@ -53,7 +53,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     sweep::keys(&SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE, &FILTER]).collect()
 }
 
@@ -329,7 +329,7 @@ impl Lack {
 
 /// A point as it is, and without each other part and each term of its noise in turn. A point remembers what it lacks, because
 /// swept and drawn coefficients are set anew for each set.
-pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
     let noise = &point.inputs.noise;
     let others = OTHERS.iter().enumerate().map(|(place, part)| (part.name, Lack::Other(place)));
     let has = |term: &Term| noise.has(*term);

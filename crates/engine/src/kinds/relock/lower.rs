@@ -464,7 +464,7 @@ impl FixedRelock {
     }
 
     /// Bound of the deviation of [`FixedRelock::wrong`] from the input.
-    pub(crate) fn representation_of_wrong(&self) -> f64 {
+    fn representation_of_wrong(&self) -> f64 {
         0.5 * libm::exp2(-34.0)
     }
 
@@ -543,11 +543,7 @@ fn word_above(found: f64, units: f64, least: f64, error: impl FnOnce() -> Refusa
 }
 
 /// Mean and rms of the angle left in a tick, or in all ticks, ″; `None` where they have no closed form.
-pub(crate) fn left(
-    inputs: &RelockInputs,
-    compensation: Compensation,
-    tick: Option<u32>,
-) -> Option<(f64, f64)> {
+fn left(inputs: &RelockInputs, compensation: Compensation, tick: Option<u32>) -> Option<(f64, f64)> {
     let relock = &inputs.relock;
     let scale = angle_of_one(inputs, tick);
     let [second, fourth] = moments_of_miss(relock);

@@ -68,17 +68,17 @@ static SETTINGS: [Setting<RelockInputs>; 1] =
     [Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value)];
 
 /// Every key of this kind.
-pub(crate) fn keys() -> Vec<&'static Key> {
+fn keys() -> Vec<&'static Key> {
     [GYRO_KEYS, kinds::KEYS, KEYS, SIGNAL_KEYS].concat()
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     sweep::keys(&SETTINGS).chain(sweep::keys(&LOOP_SETTINGS)).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<RelockStudy, Wrong> {
+fn read(reading: &mut Reading) -> Result<RelockStudy, Wrong> {
     let mut inputs = RelockInputs { tick_s: 0.0, relock: read_loop(reading)? };
     reading.set(&mut inputs, &SETTINGS)?;
     let points = sweep::points(reading.sweeps).map(|swept| {
@@ -243,7 +243,7 @@ keys! {
 
 keys! {
     /// The keys that only studies of kind = "relock" have.
-    pub(crate) static SIGNAL_KEYS;
+    static SIGNAL_KEYS;
     /// Gain A_I/Δλ of Z(1), 4·a_I·c/Δν, in any unit; adds a column with the signal.
     SIGNAL_GAIN = "relock.signal_gain", "", Fixed, unlimited(&[Dimension::Ratio]), "signal_gain = 20";
 }
@@ -284,7 +284,7 @@ pub(crate) fn read_loop(reading: &mut Reading) -> Result<Relock, Fault> {
 
 /// All parts. Without its nominal initial detuning, a loop starts from the errors of the initial detuning alone; without these there is nothing to
 /// relock, and the initial detuning stays.
-pub(crate) static PARTS: [Part<Relock>; 8] = [
+static PARTS: [Part<Relock>; 8] = [
     Part {
         name: "initial detuning",
         off: |relock| {
@@ -422,11 +422,11 @@ impl Row<'_> {
 }
 
 /// Entry in the column of ticks for all of them together.
-pub(crate) const ALL_TICKS: &str = "all";
+const ALL_TICKS: &str = "all";
 
 /// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
-pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
         Of::new("compensation", Unit::NONE, "compensation", |row| row.estimate.compensation.name().into())
@@ -490,7 +490,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
 }
 
 /// All possible columns of such a study except the swept keys.
-pub(crate) fn described() -> Vec<About> {
+fn described() -> Vec<About> {
     abouts(&columns()).into_iter().chain([Law::ZeemanTables.about()]).collect()
 }
 

@@ -73,17 +73,17 @@ static SETTINGS: [Setting<Point>; 1] =
     [Setting::new(&FREQUENCY, |point, frequency| point.frequency_hz = frequency.value)];
 
 /// Every key of this kind.
-pub(crate) fn keys() -> Vec<&'static Key> {
+fn keys() -> Vec<&'static Key> {
     KEYS.to_vec()
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     vec![&FREQUENCY, &GYRO]
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
+fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
     reading.note(&[&SUSPENSION_TABLE]);
     let suspension = OF_SUSPENSION.read(reading)?;
     let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
@@ -135,7 +135,7 @@ impl Subject for SuspensionStudy {
 
 /// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
-pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
+fn columns() -> Vec<ColumnOf<Point>> {
     type Of = ColumnOf<Point>;
     vec![
         Of::new("response", Unit::ARCSEC_PER_S_PER_G, "rate per acceleration", |point| point.response().amplitude().into())

@@ -122,7 +122,7 @@ impl SwitchedRun {
 }
 
 /// Every key of this kind.
-pub(crate) fn keys() -> Vec<&'static Key> {
+fn keys() -> Vec<&'static Key> {
     let run = [drift::SCHEDULE_KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
     [&run[..], &gap_fill::keys_of_fill(), &point::keys()].concat()
 }
@@ -134,7 +134,7 @@ pub fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
+fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut schedule, &drift::SCHEDULE_SETTINGS)?;
     schedule.end = End::of(reading.get(&END));
@@ -353,7 +353,7 @@ static OF_DRIFT: [Part<Drift>; 4] = [
 static OF_RELOCK: [Part<Point>; 1] = [Part { name: "relock", off: |point| point.relock = None }];
 
 /// A point as it is, and without each of its parts in turn; its fillers keep their weights.
-pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
     let designed = |point: &Point| Point {
         fill: point.fill.as_ref().map(|fill| gap_fill::dissected(fill).1.swap_remove(0)),
         ..point.clone()

@@ -274,7 +274,7 @@ pub(crate) fn sweepable() -> impl Iterator<Item = &'static Key> {
 }
 
 /// The compensation selected by a sweep.
-pub(crate) fn swept_compensation(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
+fn swept_compensation(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
     let name = sweep::named(swept, &COMPENSATION)?;
     Compensation::ALL.into_iter().find(|compensation| compensation.name() == name)
 }

@@ -298,7 +298,7 @@ pub(crate) const MAX_SHOWN: u64 = 500;
 const OFFSET: i64 = 1 << 31;
 
 /// Number of trajectories that the store lacks.
-pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
+fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
     let wanted = plan.subject.trajectories.min(plan.study.trials);
     let (index, mut lacking) = (store.index()?, 0);
     for (.., filled) in plan.filled() {
@@ -309,7 +309,7 @@ pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
 }
 
 /// Makes the trajectories that the store lacks.
-pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
+fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
     let wanted = plan.subject.trajectories.min(plan.study.trials);
     let index = store.index()?;
     for (point, _, filled) in plan.filled() {
@@ -336,7 +336,7 @@ pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
 }
 
 /// The table of the requested trajectories in the store; without a store, a row for each point, filler and run.
-pub(crate) fn trajectory_table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreError> {
+fn trajectory_table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreError> {
     let mut moments = Vec::new();
     for (point, filler, filled) in plan.filled() {
         let runs = 1..=plan.subject.trajectories;
@@ -365,7 +365,7 @@ pub(crate) fn trajectory_table(plan: &Plan, store: Option<&Store>) -> Result<Tab
 }
 
 /// A note that not every switch is in the table.
-pub(crate) fn thinned(plan: &Plan) -> Option<String> {
+fn thinned(plan: &Plan) -> Option<String> {
     let most = plan.subject.points.iter().map(RunPoint::switches).max()?;
     (plan.subject.trajectories > 0 && most > MAX_SHOWN).then(|| {
         format!(

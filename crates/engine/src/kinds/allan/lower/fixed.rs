@@ -263,7 +263,7 @@ impl Fixed {
     }
 
     /// Largest relative deviation of a standard deviation of [`Noise::simple`] from that of the inputs.
-    pub(crate) fn simple_deviation(&self) -> f64 {
+    fn simple_deviation(&self) -> f64 {
         let [loss, step] = self.markov.map_or([0; 2], |[loss, step, _]| [loss, step]);
         let words = [self.quantization, self.white, step, loss];
         let half = words.into_iter().filter(|word| *word > 0).map(|word| 0.5 / f64::from(word));

@@ -450,7 +450,7 @@ pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Refusal {
 }
 
 /// The refusal of a record of one sample, or of more than 2^26.
-pub(crate) fn too_long(samples: u64) -> Refusal {
+fn too_long(samples: u64) -> Refusal {
     let found = format_args!("{samples} samples; a record has 2 to {MAX_SAMPLES}");
     Refusal::new("record.length", found, "take a shorter record, or a longer sample")
 }

@@ -440,7 +440,7 @@ pub(crate) fn largest(dither: &Dither, times: &Times) -> f64 {
 }
 
 /// The largest input rate, ″/s.
-pub(crate) fn most_rate(inputs: &Inputs, times: &Times) -> f64 {
+fn most_rate(inputs: &Inputs, times: &Times) -> f64 {
     let end = inputs.rate + inputs.ramp * times.length_s();
     let of_motion = inputs.motion.as_ref().map_or(0.0, |motion| max_motion_rate(motion, MEASURED_S));
     libm::fmax(libm::fabs(inputs.rate), libm::fabs(end)) + of_motion
@@ -505,7 +505,7 @@ fn fixed(tone: &Tone) -> Option<[f64; 2]> {
 }
 
 /// The largest rate of the motion, ″/s, at most; that of a profile is measured over `tick_s`.
-pub(crate) fn max_motion_rate(motion: &Motion, tick_s: f64) -> f64 {
+fn max_motion_rate(motion: &Motion, tick_s: f64) -> f64 {
     let tones: f64 = motion.tones.iter().filter_map(fixed).map(|[rate, _]| rate).sum();
     let of_profile = motion.profile.as_ref().map_or(0.0, |profile| {
         profile.tick_angles(tick_s).into_iter().map(libm::fabs).fold(0.0, libm::fmax) / tick_s

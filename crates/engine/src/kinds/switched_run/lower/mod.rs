@@ -486,7 +486,7 @@ impl Fixed {
     }
 
     /// The further words that determine one of the study's angles.
-    pub(crate) fn time_words(&self, place: usize) -> Vec<u32> {
+    fn time_words(&self, place: usize) -> Vec<u32> {
         let time = place.checked_sub(2).and_then(|time| self.times.get(time));
         time.map(|time| time.words().collect()).unwrap_or_default()
     }
