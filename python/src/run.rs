@@ -10,7 +10,7 @@ use sagnac::device::select::Selection;
 use sagnac::report::answer::Answer;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::sections::Page;
-use sagnac::run::{Done, Plan, RESOLVED, keep};
+use sagnac::run::{Plan, RESOLVED, RunStats, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
@@ -63,7 +63,7 @@ struct Ran {
     study: Study,
     is_sampled: bool,
     page: Page,
-    done: Option<(Done, String)>,
+    done: Option<(RunStats, String)>,
 }
 
 /// Runs a study from a file, or from its text if there is no `path`, and returns its tables and report.

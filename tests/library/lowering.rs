@@ -12,7 +12,7 @@ use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
-use sagnac::key::Refusal;
+use sagnac::key::Unrepresentable;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::verify::Configuration;
@@ -145,7 +145,7 @@ fn sums_are_those_of_128_bits_however_large_the_errors() {
     assert!(nearest > 0.5, "none of the configurations came near the limit: {nearest}");
 }
 
-fn lower(configuration: &Configuration) -> Result<Lowered, Refusal> {
+fn lower(configuration: &Configuration) -> Result<Lowered, Unrepresentable> {
     configuration.lower()
 }
 

@@ -3,7 +3,7 @@
 use sagnac::device::Cpu;
 use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
-use sagnac::key::Refusal;
+use sagnac::key::Unrepresentable;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
@@ -38,7 +38,7 @@ impl Model {
         }
     }
 
-    fn lower(&self) -> Result<Records, Refusal> {
+    fn lower(&self) -> Result<Records, Unrepresentable> {
         Records::new(&Asked {
             process: &self.process,
             readout_lsb: self.readout_lsb,

@@ -10,7 +10,7 @@ use sagnac::analysis::page::Results;
 use sagnac::chart::Source;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::{Provenance, json};
-use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -94,7 +94,7 @@ pub struct Ran<'a> {
     /// The path of the folder.
     pub path: &'a Path,
     /// The work done, and the device, if anything can be sampled.
-    pub done: Option<(&'a Done, String)>,
+    pub done: Option<(&'a RunStats, String)>,
     /// Number of missing trials.
     pub lacking: u64,
     /// Whether results are returned as JSON instead of printed.

@@ -1,8 +1,8 @@
 //! The drift of a gyro that switches modes, and its schedule of switches; shared by budgets and whole runs.
 
-use crate::key::document::Places;
+use crate::key::document::SpanMap;
 use crate::key::sweep::Setting;
-use crate::key::{Holds, keys, measure, words};
+use crate::key::{ValueType, keys, measure, words};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::Fault;
@@ -79,19 +79,19 @@ impl Drift {
     }
 }
 
-const RATES: Holds = measure(&[Dimension::Rate], -1e6, 1e6, "-1e6 to 1e6 arcsec/s");
-const SPREADS: Holds = measure(&[Dimension::Rate], 0.0, 1e6, "0 to 1e6 arcsec/s");
-const TIMES: Holds = measure(&[Dimension::Time], 1e-3, 1e9, "1 ms to 1e9 s");
-const PARTS: Holds = measure(&[Dimension::Ratio], 0.0, 0.5, "0 to 0.5, or 0 % to 50 %");
-const N: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
-const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
+const RATES: ValueType = measure(&[Dimension::Rate], -1e6, 1e6, "-1e6 to 1e6 arcsec/s");
+const SPREADS: ValueType = measure(&[Dimension::Rate], 0.0, 1e6, "0 to 1e6 arcsec/s");
+const TIMES: ValueType = measure(&[Dimension::Time], 1e-3, 1e9, "1 ms to 1e9 s");
+const PARTS: ValueType = measure(&[Dimension::Ratio], 0.0, 0.5, "0 to 0.5, or 0 % to 50 %");
+const N: ValueType = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
+const ANGLES: ValueType = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
 
 keys! {
     /// The parts of a drift.
     pub(crate) static KEYS;
     /// The drift of a gyro that switches modes; absent parts are 0. Spreads are standard deviations from run to run,
     /// normally distributed.
-    pub DRIFT = "drift", "", Fixed, Holds::Table, "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"";
+    pub DRIFT = "drift", "", Fixed, ValueType::Table, "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"";
     /// A = A_qm·A_T, the magnetic drift that builds up during the warm-up: "14 arcsec/s".
     MAGNETIC = "drift.magnetic", "magnetic drift A", Condition, RATES, r#"magnetic = "14 arcsec/s""#;
     /// Time constant τ of the warm-up: "3000 s".
@@ -160,18 +160,18 @@ keys! {
     /// The keys of the schedule.
     pub(crate) static SCHEDULE_KEYS;
     /// The mode switches of a run.
-    SWITCHING = "switching", "", Fixed, Holds::Table, "[switching]\ninterval = \"40 s\"";
+    SWITCHING = "switching", "", Fixed, ValueType::Table, "[switching]\ninterval = \"40 s\"";
     /// Switching interval MT: "40 s".
     pub INTERVAL = "switching.interval", "switching interval", Choice, TIMES, r#"interval = "40 s""#, required;
     /// A whole run.
-    RUN = "run", "", Fixed, Holds::Table, "[run]\nduration = \"1 h\"";
+    RUN = "run", "", Fixed, ValueType::Table, "[run]\nduration = \"1 h\"";
     /// Run time t from switch-on: "1 h".
     DURATION = "run.duration", "run time", Question, TIMES, r#"duration = "1 h""#, required;
     /// The end of a run. "any", the default, averages it over the phase of switching: the angle at the end is read at 64
     /// equally likely times over one cycle of two intervals, centred on run.duration. "exact" reads it at run.duration,
     /// where the drift depends on how far the last interval has come. Rates are angles divided by run.duration, and the
     /// non-magnetic drift acts for exactly that time. Times and trajectories are exact in both cases.
-    pub END = "run.end", "", Fixed, Holds::Word(End::WORDS), r#"end = "any""#;
+    pub END = "run.end", "", Fixed, ValueType::Word(End::WORDS), r#"end = "any""#;
 }
 
 /// The settings of these keys.
@@ -199,7 +199,7 @@ impl Schedule {
     }
 
     /// Refuses a run that is shorter than an interval.
-    pub(crate) fn check(&self, places: &Places) -> Result<(), Fault> {
+    pub(crate) fn check(&self, places: &SpanMap) -> Result<(), Fault> {
         if self.interval_s <= self.duration_s {
             return Ok(());
         }

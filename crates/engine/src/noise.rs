@@ -7,9 +7,9 @@ use std::sync::Arc;
 use miette::NamedSource;
 use toml::de::DeTable;
 
-use crate::key::document::{Places, Table, check};
+use crate::key::document::{SpanMap, Table, check};
 use crate::key::sweep::{self, Setting, Sweep};
-use crate::key::{Holds, Key, Reading, docs, keys, measure};
+use crate::key::{Key, ParseContext, ValueType, docs, keys, measure};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity, round_12};
 use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};
@@ -232,7 +232,7 @@ impl LockIn {
     }
 
     /// Refuses a dither that leaves the gyro locked, or that is too small for the closed form to mean anything.
-    pub(crate) fn check(&self, places: &Places) -> Result<(), Fault> {
+    pub(crate) fn check(&self, places: &SpanMap) -> Result<(), Fault> {
         let gyro = self.gyro();
         let [threshold, rate, theta] =
             [gyro.threshold, gyro.dither_rate, gyro.amplitude()].map(|value| significant(value, 3));
@@ -293,7 +293,7 @@ static LEFT_BY_SWITCHES: [&str; 4] =
 ///
 /// # Errors
 /// The first such noise.
-pub(crate) fn check_switching(noises: &[Noise], places: &Places, sweeps: &[Sweep]) -> Result<(), Fault> {
+pub(crate) fn check_switching(noises: &[Noise], places: &SpanMap, sweeps: &[Sweep]) -> Result<(), Fault> {
     let is_swept = |names: &[&str]| sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
     let refuse =
         |names: &[&str], message, label, help| Err(Fault::new(places.written(names), message, label, help));
@@ -316,30 +316,30 @@ pub(crate) fn check_switching(noises: &[Noise], places: &Places, sweeps: &[Sweep
     Ok(())
 }
 
-const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
-const RATES: Holds = measure(&[Dimension::DriftRate], 0.0, 1e6, "0 to 1e6 deg/h");
-const SIGNED_RATES: Holds = measure(&[Dimension::DriftRate], -1e6, 1e6, "-1e6 to 1e6 deg/h");
-const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e9, "1e-6 s to 1e9 s");
-const N: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
-const K: Holds = measure(&[Dimension::RateRandomWalk], 0.0, 1e9, "0 to 6e10 deg/h/sqrt(h)");
-const R: Holds = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-3.6e12 to 3.6e12 deg/h/h");
-const SINES: Holds =
+const ANGLES: ValueType = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
+const RATES: ValueType = measure(&[Dimension::DriftRate], 0.0, 1e6, "0 to 1e6 deg/h");
+const SIGNED_RATES: ValueType = measure(&[Dimension::DriftRate], -1e6, 1e6, "-1e6 to 1e6 deg/h");
+const TIMES: ValueType = measure(&[Dimension::Time], 1e-6, 1e9, "1e-6 s to 1e9 s");
+const N: ValueType = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
+const K: ValueType = measure(&[Dimension::RateRandomWalk], 0.0, 1e9, "0 to 6e10 deg/h/sqrt(h)");
+const R: ValueType = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-3.6e12 to 3.6e12 deg/h/h");
+const SINES: ValueType =
     measure(&[Dimension::Frequency], 1e-9, 1e6, "1e-9 Hz to 1e6 Hz, and at most half the sampling rate");
-const THRESHOLDS: Holds =
+const THRESHOLDS: ValueType =
     measure(&[Dimension::Rate], 1e-9, 1e6, "1e-9 to 1e6 arcsec/s, and below the dither rate");
-const SCALE_FACTORS: Holds = measure(&[Dimension::ScaleFactor], 1e-6, 1e6, "1e-6 to 1e6 arcsec/pulse");
-const DITHERS: Holds =
+const SCALE_FACTORS: ValueType = measure(&[Dimension::ScaleFactor], 1e-6, 1e6, "1e-6 to 1e6 arcsec/pulse");
+const DITHERS: ValueType =
     measure(&[Dimension::Rate, Dimension::Angle], 1e-6, 1e9, "1e-6 to 1e9 arcsec/s, or arcsec");
-const DITHER_FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e6, "1e-3 to 1e6 Hz");
+const DITHER_FREQUENCIES: ValueType = measure(&[Dimension::Frequency], 1e-3, 1e6, "1e-3 to 1e6 Hz");
 
 keys! {
     /// Every key of the noise.
     pub(crate) static KEYS;
     /// The noise of the gyro, by the coefficients of IEEE Std 647 and 952; absent parts are 0. `sagnac allan` writes
     /// such tables as noise.toml. A gap-fill study may have it instead of gyro.tick_noise.
-    pub NOISE = "noise", "", Fixed, Holds::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
+    pub NOISE = "noise", "", Fixed, ValueType::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
     /// Path of a noise.toml, relative to the folder of the study; keys in the study replace those in the file.
-    pub FILE = "noise.file", "noise file", Choice, Holds::File, r#"file = "noise.toml""#;
+    pub FILE = "noise.file", "noise file", Choice, ValueType::File, r#"file = "noise.toml""#;
     /// Quantization noise Q, rms error of the angle: "0.11 arcsec".
     QUANTIZATION = "noise.quantization", "quantization noise Q", Condition, ANGLES, r#"quantization = "0.11 arcsec""#;
     /// Angle of a pulse, if the gyro counts whole pulses: "0.38 arcsec".
@@ -348,7 +348,7 @@ keys! {
     ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", Condition, N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
     /// Lock-in of a ring laser gyro with a randomized dither, which adds N = Ω_L √(q/(2πΩ_D)) to angle_random_walk in
     /// quadrature: Ω_L the threshold, q the scale factor, Ω_D the amplitude of the dither's rate.
-    pub LOCK_IN = "noise.lock_in", "", Fixed, Holds::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
+    pub LOCK_IN = "noise.lock_in", "", Fixed, ValueType::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
     /// Lock-in threshold Ω_L, the input rate up to which the gyro is locked without dither: "180 arcsec/s".
     LOCK_IN_THRESHOLD = "noise.lock_in.threshold", "lock-in threshold", Condition, THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
     /// Angle of one period of the beat: "2 arcsec/pulse".
@@ -364,25 +364,25 @@ keys! {
     /// Rate ramp R: "0.0001 deg/h/h".
     RATE_RAMP = "noise.rate_ramp", "rate ramp R", Condition, R, r#"rate_ramp = "0.0001 deg/h/h""#;
     /// Exponentially correlated noise of the rate.
-    MARKOV = "noise.markov", "", Fixed, Holds::Table, r#"markov = { amplitude = "0.002 deg/h", time = "300 s" }"#;
+    MARKOV = "noise.markov", "", Fixed, ValueType::Table, r#"markov = { amplitude = "0.002 deg/h", time = "300 s" }"#;
     /// Rms of the Markov noise: "0.002 deg/h".
     MARKOV_AMPLITUDE = "noise.markov.amplitude", "rms of the Markov noise", Condition, RATES, r#"amplitude = "0.002 deg/h""#, required;
     /// Correlation time: "300 s".
     MARKOV_TIME = "noise.markov.time", "correlation time", Condition, TIMES, r#"time = "300 s""#, required;
     /// A sine of the rate, with a random phase in each record.
-    SINE = "noise.sine", "", Fixed, Holds::Table, r#"sine = { amplitude = "0.01 deg/h", frequency = "0.01 Hz" }"#;
+    SINE = "noise.sine", "", Fixed, ValueType::Table, r#"sine = { amplitude = "0.01 deg/h", frequency = "0.01 Hz" }"#;
     /// Peak of the sine: "0.01 deg/h".
     SINE_AMPLITUDE = "noise.sine.amplitude", "peak of the sine", Condition, RATES, r#"amplitude = "0.01 deg/h""#, required;
     /// Frequency of the sine: "0.01 Hz".
     SINE_FREQUENCY = "noise.sine.frequency", "frequency of the sine", Condition, SINES, r#"frequency = "0.01 Hz""#, required;
     /// An exponential decay of the rate from the start of the record.
-    WARM_UP = "noise.warm_up", "", Fixed, Holds::Table, r#"warm_up = { amplitude = "0.1 deg/h", time = "20 min" }"#;
+    WARM_UP = "noise.warm_up", "", Fixed, ValueType::Table, r#"warm_up = { amplitude = "0.1 deg/h", time = "20 min" }"#;
     /// Rate of the warm-up at the start: "0.1 deg/h".
     WARM_UP_AMPLITUDE = "noise.warm_up.amplitude", "warm-up", Condition, SIGNED_RATES, r#"amplitude = "0.1 deg/h""#, required;
     /// Time constant: "20 min".
     WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", Condition, TIMES, r#"time = "20 min""#, required;
     /// Mode switches, the first one interval after the start of the record, and their effects on the angle.
-    pub SWITCHING = "noise.switching", "", Fixed, Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
+    pub SWITCHING = "noise.switching", "", Fixed, ValueType::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
     /// Time from one switch to the next: "40 s". It is rounded to a whole number of samples.
     pub INTERVAL = "noise.switching.interval", "interval between switches", Choice, TIMES, r#"interval = "40 s""#, required;
     /// Magnetic drift A of a warm gyro, whose sign every switch reverses: "14 arcsec/s".
@@ -493,7 +493,7 @@ fn of_switching(noise: &mut Noise) -> &mut Switching {
 /// # Errors
 /// A file cannot be read, or is no noise.
 pub(crate) fn swept_files(
-    reading: &mut Reading,
+    reading: &mut ParseContext,
     written: &[(&'static Setting<Noise>, Quantity)],
 ) -> Result<Vec<Noise>, Wrong> {
     let mut files = Vec::new();
@@ -513,7 +513,7 @@ pub(crate) struct WrittenNoise {
 }
 
 /// Reads the noise, including that of a file, and records the place of each key.
-pub(crate) fn read(reading: &mut Reading) -> Result<WrittenNoise, Wrong> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<WrittenNoise, Wrong> {
     let mut noise = match reading.get(&FILE) {
         Some(file) => {
             let (noise, notes) = read_file(file.text(), file.span(), reading.files)?;

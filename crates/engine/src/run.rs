@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use crate::device::Device;
 use crate::sampling::{self, Worker};
-pub use crate::sampling::{Done, RunError, Tables};
+pub use crate::sampling::{RunError, RunStats, Tables};
 use crate::store::error::StoreError;
 #[cfg(feature = "store")]
 use crate::store::folder::{Folder, FolderError, Written};
@@ -74,7 +74,7 @@ impl<'a> Plan<'a> {
     ///
     /// A GPU that fails does not end a run: it takes smaller tiles when memory runs out, is opened again when it is
     /// lost, and where neither helps it leaves its group, or, as the last or only device, `device` becomes the CPU. The
-    /// results are the same bits; [`Done::degraded`] describes the failures.
+    /// results are the same bits; [`RunStats::degraded`] describes the failures.
     ///
     /// # Errors
     /// The disk fails, or the device fails and no threads can be started for the CPU to replace it. Trials sampled
@@ -85,10 +85,10 @@ impl<'a> Plan<'a> {
         device: &mut Device,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         let mut worker = Worker::new(device, progress);
         let done = self.work.run(store, &mut worker, share, progress)?;
-        Ok(Done { degraded: worker.into_notes(), ..done })
+        Ok(RunStats { degraded: worker.into_notes(), ..done })
     }
 
     /// Whether the number of sampled trials exceeds that of all points together. This happens because estimates of a

@@ -20,15 +20,15 @@ use toml::de::DeTable;
 use toml::{Spanned, Table as TomlTable, Value};
 
 use crate::chart::read::{read_all as read_charts, read_requirement};
-use crate::chart::{Chart, Ground, Law, Requirement, Source};
-use crate::device::Load;
+use crate::chart::{Chart, Law, Requirement, Source, TableSchema};
+use crate::device::Workload;
 pub use crate::key::Precision;
-use crate::key::document::{Places, Table};
+use crate::key::document::{SpanMap, Table};
 use crate::key::sensitivity::{self, Uncertain};
 use crate::key::sweep::{self, Scale, Sweep, Swept, read_all as read_sweeps};
 use crate::key::{
-    KIND, Key, LIMIT, NONE as NO_PRECISION, PRECISION, QUESTION, Reading, Refusal, SEED, STREAMS, Streams,
-    TITLE, TRIALS, docs,
+    KIND, Key, LIMIT, NONE as NO_PRECISION, PRECISION, ParseContext, QUESTION, SEED, STREAMS, Streams, TITLE,
+    TRIALS, Unrepresentable, docs,
 };
 use crate::kinds::checked;
 use crate::sampling::Planned;
@@ -68,7 +68,7 @@ pub struct Study {
     /// Its text, for messages with places.
     pub text: Text,
     /// Places of its keys in the text.
-    pub places: Places,
+    pub places: SpanMap,
     /// What of the text a resolved study keeps.
     pub written: Written,
     /// Inputs whose values are known only by a range or a distribution.
@@ -93,7 +93,7 @@ impl Study {
     }
 
     /// The properties of one of its tables, as far as they are known before anything is sampled.
-    pub fn ground(&self, source: Source) -> Option<Ground> {
+    pub fn ground(&self, source: Source) -> Option<TableSchema> {
         self.subject.grounds().into_iter().find(|ground| ground.source == source)
     }
 
@@ -115,7 +115,7 @@ impl Study {
     /// The default rows of its points, as pairs of a column and its value as files show it.
     pub fn usual_rows(&self) -> Vec<(String, String)> {
         let ground = self.ground(Source::Points);
-        let rows = ground.iter().flat_map(Ground::usual_rows);
+        let rows = ground.iter().flat_map(TableSchema::usual_rows);
         rows.map(|(column, value)| (column.name, value.text())).collect()
     }
 
@@ -174,10 +174,10 @@ impl Study {
     }
 
     /// The error for a point at these swept values that cannot be sampled, at the key that has to change.
-    pub fn refused(&self, swept: &[(&'static str, Swept)], refusal: &Refusal) -> StudyError {
+    pub fn refused(&self, swept: &[(&'static str, Swept)], refusal: &Unrepresentable) -> StudyError {
         let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
-        let Refusal { key, message, help } = refusal;
+        let Unrepresentable { key, message, help } = refusal;
         self.error_at(self.place_of(key), format!("{message}{place}"), *help)
     }
 
@@ -216,9 +216,9 @@ pub struct Kind {
     /// The kernels that sample it, with their versions.
     pub kernels: fn() -> String,
     /// The loads on which its kernels are checked; none for closed forms.
-    pub(crate) loads: fn() -> Vec<Load>,
+    pub(crate) loads: fn() -> Vec<Workload>,
     /// Reads the part of a study that belongs to this kind.
-    pub(crate) read: fn(&mut Reading) -> Result<Arc<dyn Subject>, Wrong>,
+    pub(crate) read: fn(&mut ParseContext) -> Result<Arc<dyn Subject>, Wrong>,
 }
 
 impl PartialEq for Kind {
@@ -248,7 +248,7 @@ pub trait Subject: Any + fmt::Debug + Send + Sync {
 
     /// The subject with a single one of its points: as it is, and without each part of its error in turn, everything
     /// else unchanged; fillers keep the weights that they have at the point. `None` where an error has no parts.
-    fn dissected(&self, _point: usize) -> Option<Dissected> {
+    fn dissected(&self, _point: usize) -> Option<Ablation> {
         None
     }
 
@@ -271,7 +271,7 @@ pub trait Subject: Any + fmt::Debug + Send + Sync {
     }
 
     /// The tables of its results, as far as they are known before anything is sampled, with that of the points first.
-    fn grounds(&self) -> Vec<Ground>;
+    fn grounds(&self) -> Vec<TableSchema>;
 }
 
 /// A part of the error of points `P`.
@@ -283,7 +283,7 @@ pub(crate) struct Part<P: 'static> {
 }
 
 /// A subject with a point as it is, and without each of its parts.
-pub struct Dissected {
+pub struct Ablation {
     /// The names of the parts that the point has.
     pub(crate) parts: Vec<&'static str>,
     pub(crate) subject: Arc<dyn Subject>,
@@ -304,7 +304,7 @@ impl Study {
     /// The study of a single one of its points, which comes first, followed by that point without each of its parts in
     /// turn; with the names of these parts. All share their random numbers. `None` where its kind has no parts.
     pub fn dissected(&self, point: usize) -> Option<(Vec<&'static str>, Study)> {
-        let Dissected { parts, subject } = self.subject.dissected(point)?;
+        let Ablation { parts, subject } = self.subject.dissected(point)?;
         let (streams, precision) = (Streams::Common, None);
         Some((parts, Study { subject, streams, precision, charts: vec![], ..self.clone() }))
     }
@@ -473,13 +473,13 @@ impl Study {
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
         };
         let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
-        let places = Places::of(&sweeps);
+        let places = SpanMap::of(&sweeps);
         let precision = None;
         let mut reading =
-            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes, precision };
+            ParseContext { table: table.clone(), sweeps: &sweeps, files: &files, places, notes, precision };
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
-        let Reading { mut places, notes, precision, .. } = reading;
+        let ParseContext { mut places, notes, precision, .. } = reading;
         let bytes = subject.bytes();
         if bytes > MAX_BYTES {
             let span = sweeps.first().map_or_else(|| table.span_of(&KIND), |sweep| Some(sweep.span.clone()));
@@ -502,7 +502,7 @@ impl Study {
             }
             chart.subtitle = written_text(&QUESTION);
             let ground = grounds.iter().find(|ground| ground.source == chart.source);
-            let texts = ground.map(Ground::text_names).unwrap_or_default();
+            let texts = ground.map(TableSchema::text_names).unwrap_or_default();
             let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
             chart.apart = apart.map(str::to_owned).collect();
             let [points, bands] = ground.map_or([""; 2], |ground| ground.legend_of(&chart.estimate().name));

@@ -3,7 +3,7 @@
 use crate::analysis::design::Measure;
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_engine::device::GpuError;
-use sagnac_engine::key::Refusal;
+use sagnac_engine::key::Unrepresentable;
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::study::Study;
 
@@ -47,7 +47,7 @@ pub enum DesignError {
     },
     /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
-    Lower(#[from] Refusal),
+    Lower(#[from] Unrepresentable),
     /// An error of one of several variants.
     #[error("{error}, at {at}")]
     At {

@@ -5,9 +5,9 @@ pub(crate) mod read;
 
 use std::ops::Range;
 
-use crate::key::document::Given;
+use crate::key::document::SpannedValue;
 use crate::key::sweep::Scale;
-use crate::key::{Holds, keys, words};
+use crate::key::{ValueType, keys, words};
 use sagnac_base::quantity::number::{joined, significant};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::{About, Cell, Role, Unit, Usual};
@@ -27,8 +27,8 @@ impl From<&str> for Named {
     }
 }
 
-impl From<Given<'_>> for Named {
-    fn from(given: Given) -> Named {
+impl From<SpannedValue<'_>> for Named {
+    fn from(given: SpannedValue) -> Named {
         Named { span: given.span(), name: given.text().to_owned() }
     }
 }
@@ -211,44 +211,44 @@ impl Source {
     }
 }
 
-const TEXTS: Holds = Holds::List(&Holds::Text);
-const SCALE: Holds = Holds::Word(Scale::WORDS);
+const TEXTS: ValueType = ValueType::List(&ValueType::Text);
+const SCALE: ValueType = ValueType::Word(Scale::WORDS);
 
 keys! {
     /// The keys of charts.
     pub(crate) static KEYS;
     /// One or several charts of the estimates: curves, or a map over two columns. If absent, the study has a chart that
     /// suits its kind. Columns are named without prefix and unit: "frequency", "rms".
-    pub CHART = "chart", "", Fixed, Holds::Either(&[Holds::Table, Holds::List(&Holds::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
+    pub CHART = "chart", "", Fixed, ValueType::Either(&[ValueType::Table, ValueType::List(&ValueType::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
     /// Kind of the chart; "curves" if absent.
-    pub KIND = "chart.kind", "", Fixed, Holds::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
+    pub KIND = "chart.kind", "", Fixed, ValueType::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
     /// Table to draw; "points" if absent.
-    pub TABLE = "chart.table", "", Fixed, Holds::Word(Source::WORDS), r#"table = "coefficients""#;
+    pub TABLE = "chart.table", "", Fixed, ValueType::Word(Source::WORDS), r#"table = "coefficients""#;
     /// Title above the chart; the study's title if absent.
-    pub TITLE = "chart.title", "", Fixed, Holds::Text, r#"title = "Largest error""#;
+    pub TITLE = "chart.title", "", Fixed, ValueType::Text, r#"title = "Largest error""#;
     /// Column of the abscissa; the values of a text column stand side by side. For a map it is a swept key, dt_nu or
     /// amplitude_noise.
-    pub X = "chart.x", "", Fixed, Holds::Text, r#"x = "dt_nu""#;
+    pub X = "chart.x", "", Fixed, ValueType::Text, r#"x = "dt_nu""#;
     /// Column of the ordinate. For curves it is the estimate, or a list of several with one unit, ["bound",
     /// "mean_drift"], each drawn in its own colour; for a map it is another swept key or dt_nu.
-    pub Y = "chart.y", "", Fixed, Holds::Either(&[Holds::Text, TEXTS]), r#"y = "rms""#;
+    pub Y = "chart.y", "", Fixed, ValueType::Either(&[ValueType::Text, TEXTS]), r#"y = "rms""#;
     /// Column that a map shows; in a winner map the least value wins.
-    pub Z = "chart.z", "", Fixed, Holds::Text, r#"z = "p99_73""#;
+    pub Z = "chart.z", "", Fixed, ValueType::Text, r#"z = "p99_73""#;
     /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
-    pub OF = "chart.of", "", Fixed, Holds::Text, r#"of = "filler""#;
+    pub OF = "chart.of", "", Fixed, ValueType::Text, r#"of = "filler""#;
     /// Columns whose values make the curves: the first sets the colour, the second the dash. If y has several columns,
     /// series has only one, which sets the dash. If absent, the curves are those of the fillers, the coefficients, or
     /// the swept keys.
     pub SERIES = "chart.series", "", Fixed, TEXTS, r#"series = ["filler", "gap_ticks"]"#;
     /// Reference curves to draw over a swept key or dt_nu, where y is an error in ″; each once.
-    pub LAWS = "chart.references", "", Fixed, Holds::List(&Holds::Word(Law::WORDS)), r#"references = ["taylor-extremum", "noise"]"#;
+    pub LAWS = "chart.references", "", Fixed, ValueType::List(&ValueType::Word(Law::WORDS)), r#"references = ["taylor-extremum", "noise"]"#;
     /// Rows to show: each entry names a swept key, filler, error, coefficient or tau, and one of its values. Rows with
     /// error = "residual" are shown unless error is named here, in series or in of.
-    pub WHERE = "chart.where", "", Fixed, Holds::Free, r#"where = { error = "residual" }"#;
+    pub WHERE = "chart.where", "", Fixed, ValueType::Free, r#"where = { error = "residual" }"#;
     /// Allowed value, above 0: an angle where the estimate is an error in ″, "10 arcsec"; a rate where it is a
     /// deviation, "0.005 deg/h"; a percentage where it is relative, "10 %". Curves show it as a line and a heat map as
     /// a contour; a winner map is hatched where even the least value is above it.
-    pub LIMIT = "chart.limit", "", Fixed, Holds::Any, r#"limit = "10 arcsec""#;
+    pub LIMIT = "chart.limit", "", Fixed, ValueType::Any, r#"limit = "10 arcsec""#;
     /// Scale of the abscissa; if absent, "linear" over a sweep that is linear or not above 0, else "log".
     pub X_SCALE = "chart.x_scale", "", Fixed, SCALE, r#"x_scale = "log""#;
     /// Scale of the ordinate, like x_scale.
@@ -363,7 +363,7 @@ impl Law {
 
 /// One of the tables of a study, described by its columns except the swept keys.
 #[derive(Debug, Clone)]
-pub struct Ground {
+pub struct TableSchema {
     /// Source of the table.
     pub(crate) source: Source,
     /// Columns in the order of the table.
@@ -399,20 +399,30 @@ pub struct Text {
     pub whole: Option<&'static str>,
 }
 
-impl Ground {
+impl TableSchema {
     /// A table with these columns; `texts` are the values of those that distinguish rows, in order.
     pub(crate) fn of(
         source: Source,
         columns: Vec<About>,
         texts: impl IntoIterator<Item = Text>,
         limits: &'static [Dimension],
-    ) -> Ground {
+    ) -> TableSchema {
         let keys = columns.iter().filter(|column| column.role == Role::Key);
         let texts = keys.zip(texts).map(|(key, text)| Text { name: key.name, listed_by: key.of, ..text });
         let texts = texts.collect();
         let legend = ["Monte Carlo", "95 % band"];
         let [is_linear, is_specified] = [false; 2];
-        Ground { source, columns, texts, laws: &[], limits, legend, is_linear, is_specified, absent: None }
+        TableSchema {
+            source,
+            columns,
+            texts,
+            laws: &[],
+            limits,
+            legend,
+            is_linear,
+            is_specified,
+            absent: None,
+        }
     }
 
     /// Whether the estimate of this name is judged where a chart shows it.

@@ -1,12 +1,12 @@
 //! Reading of the charts of a study, and the charts of a study that names none.
 
 use crate::chart::{
-    CHART, Chart, ChartKind, Ground, KIND, LAWS, LIMIT, Law, Limit, Named, OF, Requirement, SERIES, Shows,
-    Source, TABLE, TITLE, WHERE, X, X_SCALE, Y, Y_SCALE, Z, Z_SCALE,
+    CHART, Chart, ChartKind, KIND, LAWS, LIMIT, Law, Limit, Named, OF, Requirement, SERIES, Shows, Source,
+    TABLE, TITLE, TableSchema, WHERE, X, X_SCALE, Y, Y_SCALE, Z, Z_SCALE,
 };
-use crate::key::document::{Given, Table};
+use crate::key::document::{SpannedValue, Table};
 use crate::key::sweep::{Scale, Sweep, Swept, scale_of};
-use crate::key::{Holds, Key, unlimited};
+use crate::key::{Key, ValueType, unlimited};
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, choices};
 use sagnac_base::table::{self, About, Cell, Cells, Column, ColumnError, Role, Unit, Usual};
@@ -17,23 +17,27 @@ use sagnac_base::table::{self, About, Cell, Cells, Column, ColumnError, Role, Un
 /// A key that the kind of chart lacks or does not have; a wrong number of `series`; an `of` or a `where` that names a
 /// column other than a swept key or a text column; axes of a map or below a law that are not known beforehand; a
 /// `limit` of another dimension or not above 0; or a value in `where` that its column does not take.
-pub(crate) fn read_all(study: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Vec<Chart>, Fault> {
+pub(crate) fn read_all(
+    study: &Table,
+    sweeps: &[Sweep],
+    grounds: &[TableSchema],
+) -> Result<Vec<Chart>, Fault> {
     let Some(charts) = study.get(&CHART) else {
         return Ok(grounds.first().and_then(|points| chart(sweeps, points)).into_iter().collect());
     };
     let tables = if charts.is_list() { charts.items() } else { vec![charts] };
-    tables.iter().filter_map(Given::table).map(|table| read(&table, sweeps, grounds)).collect()
+    tables.iter().filter_map(SpannedValue::table).map(|table| read(&table, sweeps, grounds)).collect()
 }
 
 /// Reads a required column; the example in its fault uses the name `usual`.
-fn axis<'a>(table: &Table<'a>, key: &'static Key, usual: Option<&str>) -> Result<Given<'a>, Fault> {
+fn axis<'a>(table: &Table<'a>, key: &'static Key, usual: Option<&str>) -> Result<SpannedValue<'a>, Fault> {
     table.get(key).ok_or_else(|| {
         let example = usual.map_or(key.example.to_owned(), |name| format!("{} = \"{name}\"", key.last()));
         Fault::missing_key(key.name, &example, table.span.clone())
     })
 }
 
-fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fault> {
+fn read(table: &Table, sweeps: &[Sweep], grounds: &[TableSchema]) -> Result<Chart, Fault> {
     let ground = ground(table, grounds)?;
     let known = Known { sweeps, ground };
     let usual = |usual| Some(grounds.first()?.usual(usual)?.name);
@@ -47,7 +51,7 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
     for (name, value) in table.get(&WHERE).and_then(|rows| rows.table()).iter().flat_map(|rows| rows.entries)
     {
         let name = Named { name: name.get_ref().to_string(), span: name.span() };
-        let (column, cell) = known.row(&name, Given { key: &WHERE, value })?;
+        let (column, cell) = known.row(&name, SpannedValue { key: &WHERE, value })?;
         if chosen.contains(&column) {
             let message = format!("`where` gives {column} twice");
             return Err(Fault::new(name.span, message, "one of the two", "leave one of them out"));
@@ -90,7 +94,7 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
 }
 
 /// The table of results to draw.
-fn ground<'g>(table: &Table, grounds: &'g [Ground]) -> Result<&'g Ground, Fault> {
+fn ground<'g>(table: &Table, grounds: &'g [TableSchema]) -> Result<&'g TableSchema, Fault> {
     let (source, span) = (Source::of(table.get(&TABLE)), table.span_of(&TABLE).unwrap_or_default());
     let Some(ground) = grounds.iter().find(|ground| ground.source == source) else {
         let message = "a study of this kind has no such table";
@@ -166,7 +170,7 @@ fn shows(table: &Table, x: &Named, y: &Named, beside: &[Named], known: Known) ->
 const MAX_COLUMNS: usize = 8;
 
 /// Reads the column y, and the further columns where y is a list.
-fn estimates(y: Given) -> Result<(Named, Vec<Named>), Fault> {
+fn estimates(y: SpannedValue) -> Result<(Named, Vec<Named>), Fault> {
     if !y.is_list() {
         return Ok((Named::from(y), vec![]));
     }
@@ -200,7 +204,7 @@ fn check_beside(table: &Table, laws: &[Law]) -> Result<(), Fault> {
 
 /// The columns that distinguish curves. If none are written, and the table has neither fillers nor coefficients, they
 /// are the swept keys other than x.
-fn series(written: Option<Given>, x: &str, known: Known) -> Result<Vec<Named>, Fault> {
+fn series(written: Option<SpannedValue>, x: &str, known: Known) -> Result<Vec<Named>, Fault> {
     let Some(written) = written else {
         return Ok(match known.ground.texts.first() {
             // Columns side by side need no further distinction.
@@ -252,12 +256,13 @@ const PERCENT: &str = "accepted: a percentage such as \"10 %\", of a relative co
 /// # Errors
 /// No table has an estimate of that dimension, or it is not above 0.
 pub(crate) fn read_requirement(
-    given: Given,
-    grounds: &[Ground],
+    given: SpannedValue,
+    grounds: &[TableSchema],
     charts: &mut [Chart],
 ) -> Result<Requirement, Fault> {
     let present = || grounds.iter().filter(|ground| ground.absent.is_none());
-    let fits = |ground: &&Ground| read_limit(given, ground).is_ok_and(|limit| ground.judged(limit).is_some());
+    let fits =
+        |ground: &&TableSchema| read_limit(given, ground).is_ok_and(|limit| ground.judged(limit).is_some());
     let Some(ground) = present().find(fits).or_else(|| present().next()) else {
         return Err(given.fault(
             "limit: this kind of study has no results to limit",
@@ -289,7 +294,7 @@ pub(crate) fn read_requirement(
 }
 
 /// Reads a limit in the unit of the table's estimates.
-fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
+fn read_limit(given: SpannedValue, ground: &TableSchema) -> Result<Limit, Fault> {
     if ground.limits.is_empty() {
         return Ok(Limit { value: given.percent(PERCENT)?, unit: Unit::NONE });
     }
@@ -306,7 +311,7 @@ fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
 /// that follows from a swept key, or over the first swept key that is not a name, with a curve for each value of the
 /// first two other columns. Without any abscissa, the compared values stand side by side. `None` where there is nothing
 /// to draw over.
-fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
+fn chart(sweeps: &[Sweep], ground: &TableSchema) -> Option<Chart> {
     let y = ground.usual(Usual::Estimate)?.name;
     let is_swept = |name: &str| sweeps.iter().any(|sweep| sweep.key.name == name);
     let abscissa = ground.usual(Usual::Abscissa);
@@ -350,7 +355,7 @@ fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
 
 /// A chart with the values of a column side by side, where no number is swept, by the estimates of a summary, for each
 /// value of the first swept name.
-fn side_by_side(sweeps: &[Sweep], ground: &Ground, x: &str) -> Chart {
+fn side_by_side(sweeps: &[Sweep], ground: &TableSchema, x: &str) -> Chart {
     let mut estimates = ground
         .columns
         .iter()
@@ -367,7 +372,7 @@ fn side_by_side(sweeps: &[Sweep], ground: &Ground, x: &str) -> Chart {
 }
 
 /// Values of τ.
-const TIMES: Holds = unlimited(&[Dimension::Time]);
+const TIMES: ValueType = unlimited(&[Dimension::Time]);
 
 /// Most values of a sweep that a message lists.
 const MAX_LISTED: usize = 12;
@@ -376,7 +381,7 @@ const MAX_LISTED: usize = 12;
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) sweeps: &'a [Sweep],
-    pub(crate) ground: &'a Ground,
+    pub(crate) ground: &'a TableSchema,
 }
 
 impl Known<'_> {
@@ -434,7 +439,7 @@ impl Known<'_> {
     }
 
     /// The column that one entry of `where` names, with its value there.
-    pub(crate) fn row(self, named: &Named, given: Given) -> Result<(String, Cell), Fault> {
+    pub(crate) fn row(self, named: &Named, given: SpannedValue) -> Result<(String, Cell), Fault> {
         let column = self.chooser(named, "`where` cannot choose rows by")?;
         let cell = if let Some(sweep) = self.sweeps.iter().find(|sweep| sweep.key.name == column) {
             swept_value(sweep, given)?.cell()
@@ -454,7 +459,7 @@ impl Known<'_> {
 }
 
 /// The value of a sweep that tables show like the given one.
-fn swept_value<'s>(sweep: &'s Sweep, given: Given) -> Result<&'s Swept, Fault> {
+fn swept_value<'s>(sweep: &'s Sweep, given: SpannedValue) -> Result<&'s Swept, Fault> {
     let wanted = match sweep.key.is_name() {
         true => Swept::Name(given.text().to_owned()),
         false => Swept::Quantity(given.of(sweep.key).quantity()?),

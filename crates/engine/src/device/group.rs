@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::thread::{self, ScopedJoinHandle};
 use std::time::Instant;
 
-use crate::device::{Advance, Attempts, Device, GpuError, Job, Tallies};
+use crate::device::{Advance, Device, GpuError, Job, RetryProgress, Tallies};
 use crate::tally::cover;
 
 /// Devices that share work. Each works on a thread of its own and takes parts of the work that are as large as its measured
@@ -42,7 +42,7 @@ const MIN_DEALT: f64 = 1.0 / 16.0;
 /// A part of some work, the attempts at it and its results.
 struct Part<'a, T> {
     units: Range<u64>,
-    attempts: Attempts<'a>,
+    attempts: RetryProgress<'a>,
     result: Result<T, GpuError>,
 }
 
@@ -177,7 +177,7 @@ impl Group {
             let work = |member: &mut Member| {
                 let (mut parts, mut done, started) = (vec![], 0, Instant::now());
                 while let Some(units) = take(member) {
-                    let attempts = Attempts::new(progress);
+                    let attempts = RetryProgress::new(progress);
                     let result = by(&mut member.device, units.clone(), &attempts.next());
                     let failure = result.as_ref().err().cloned();
                     done += units.end - units.start;

@@ -154,15 +154,15 @@ impl Device {
 }
 
 /// Attempts at the same work, which report each of its units once.
-pub(crate) struct Attempts<'a> {
+pub(crate) struct RetryProgress<'a> {
     progress: Advance<'a>,
     /// Most units that an attempt has reported.
     told: AtomicU64,
 }
 
-impl<'a> Attempts<'a> {
-    pub(crate) fn new(progress: Advance<'a>) -> Attempts<'a> {
-        Attempts { progress, told: AtomicU64::new(0) }
+impl<'a> RetryProgress<'a> {
+    pub(crate) fn new(progress: Advance<'a>) -> RetryProgress<'a> {
+        RetryProgress { progress, told: AtomicU64::new(0) }
     }
 
     /// The progress of the next attempt. Units that an earlier one has reported are not reported again.
@@ -214,7 +214,7 @@ pub enum GpuError {
 
 /// A named load of a kernel. A kind of study provides loads that cover every distinction its kernel makes.
 #[derive(Debug, Clone)]
-pub struct Load {
+pub struct Workload {
     /// Name in reports.
     pub name: &'static str,
     /// The computation.
@@ -232,10 +232,10 @@ pub enum Work {
     Records(Arc<dyn Recorded>),
 }
 
-impl Load {
+impl Workload {
     /// Loads of launches; those named in `self_test` are part of the self-test.
-    pub fn of_launches(launches: Vec<(&'static str, Launch)>, self_test: &[&str]) -> Vec<Load> {
-        let load = |(name, launch)| Load {
+    pub fn of_launches(launches: Vec<(&'static str, Launch)>, self_test: &[&str]) -> Vec<Workload> {
+        let load = |(name, launch)| Workload {
             name,
             work: Work::Trials(launch),
             self_test_units: self_test.contains(&name).then_some(5000),

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use crate::key::document::{Given, Table};
-use crate::key::{Holds, Key, Reading, Word, keys};
+use crate::key::document::{SpannedValue, Table};
+use crate::key::{Key, ParseContext, ValueType, Word, keys};
 use crate::motion::keys::{AMPLITUDES, FREQUENCIES, Phase, RATES, band};
 use crate::motion::{Amplitude, Frequency, Motion, Tone, Value};
 use sagnac_base::quantity::units::{Dimension, round_12};
@@ -194,23 +194,23 @@ keys! {
     pub(crate) static KEYS;
     /// Motion for which minimum-variance fillers without a band are designed, and on which all fillers are judged: lines
     /// and bands, each with its own tolerance. The motion that is sampled is that of [motion].
-    pub SPECIFICATION = "specification", "", Fixed, Holds::Table, "[specification]\nlines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"0.1 %\" }]";
+    pub SPECIFICATION = "specification", "", Fixed, ValueType::Table, "[specification]\nlines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"0.1 %\" }]";
     /// Sines of random phase.
-    LINES = "specification.lines", "", Fixed, Holds::List(&Holds::Table), r#"lines = [{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }]"#;
+    LINES = "specification.lines", "", Fixed, ValueType::List(&ValueType::Table), r#"lines = [{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }]"#;
     /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec".
     LINE_AMPLITUDE = "specification.lines.amplitude", "", Fixed, AMPLITUDES, r#"amplitude = "90 arcsec""#, required;
     /// Nominal frequency: "345 Hz".
     LINE_FREQUENCY = "specification.lines.frequency", "", Fixed, FREQUENCIES, r#"frequency = "345 Hz""#, required;
     /// Largest relative deviation of the frequency from its nominal value; none if absent.
-    LINE_TOLERANCE = "specification.lines.tolerance", "", Fixed, Holds::Percent, r#"tolerance = "0.1 %""#;
+    LINE_TOLERANCE = "specification.lines.tolerance", "", Fixed, ValueType::Percent, r#"tolerance = "0.1 %""#;
     /// Gaussian motion, each with its power spread evenly over its band.
-    BANDS = "specification.bands", "", Fixed, Holds::List(&Holds::Table), r#"bands = [{ rms = "1000 arcsec/s", band = ["30 Hz", "80 Hz"], tolerance = "5 %" }]"#;
+    BANDS = "specification.bands", "", Fixed, ValueType::List(&ValueType::Table), r#"bands = [{ rms = "1000 arcsec/s", band = ["30 Hz", "80 Hz"], tolerance = "5 %" }]"#;
     /// Standard deviation of the rate: "1000 arcsec/s".
     BAND_RMS = "specification.bands.rms", "", Fixed, RATES, r#"rms = "1000 arcsec/s""#, required;
     /// Nominal ends of the band: ["30 Hz", "80 Hz"].
-    BAND_ENDS = "specification.bands.band", "", Fixed, Holds::Pair(&FREQUENCIES), r#"band = ["30 Hz", "80 Hz"]"#, required;
+    BAND_ENDS = "specification.bands.band", "", Fixed, ValueType::Pair(&FREQUENCIES), r#"band = ["30 Hz", "80 Hz"]"#, required;
     /// Largest relative deviation of either end from its nominal value, each on its own; none if absent.
-    BAND_TOLERANCE = "specification.bands.tolerance", "", Fixed, Holds::Percent, r#"tolerance = "5 %""#;
+    BAND_TOLERANCE = "specification.bands.tolerance", "", Fixed, ValueType::Percent, r#"tolerance = "5 %""#;
 }
 
 /// A specified motion, the sum of independent parts.
@@ -273,12 +273,12 @@ impl Specification {
 }
 
 /// Reads the specification, if there is one.
-pub(crate) fn read(reading: &mut Reading) -> Result<Option<Specification>, Fault> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<Option<Specification>, Fault> {
     let Some(table) = reading.get(&SPECIFICATION) else { return Ok(None) };
     reading.note(&[&SPECIFICATION]);
     let parts = |key, part: fn(&Table) -> Result<Part, Fault>| {
         let list = reading.get(key).map_or(vec![], |list| list.items());
-        list.iter().filter_map(Given::table).map(|table| part(&table)).collect::<Result<Vec<_>, _>>()
+        list.iter().filter_map(SpannedValue::table).map(|table| part(&table)).collect::<Result<Vec<_>, _>>()
     };
     let parts = [parts(&LINES, line)?, parts(&BANDS, spread)?].concat();
     if parts.is_empty() {
@@ -388,7 +388,7 @@ pub(crate) struct TickList {
 
 impl TickList {
     /// Reads the list as `written`, or takes the default of its `purpose`.
-    pub(crate) fn read(purpose: Purpose, written: Option<Given>) -> Result<TickList, Fault> {
+    pub(crate) fn read(purpose: Purpose, written: Option<SpannedValue>) -> Result<TickList, Fault> {
         let Some(written) = written else {
             return Ok(TickList::default_for(purpose));
         };

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::key::{Holds, Key, Measure, joined, one_line};
+use crate::key::{Key, Measure, ValueType, joined, one_line};
 use sagnac_base::quantity::units::{self, Dimension};
 
 /// A key of a study file, explained as text.
@@ -135,35 +135,39 @@ fn of_key(key: &Key, keys: &[&'static Key]) -> Value {
     node
 }
 
-fn of_value(holds: &Holds, key: &Key, keys: &[&'static Key]) -> Value {
+fn of_value(holds: &ValueType, key: &Key, keys: &[&'static Key]) -> Value {
     match holds {
-        Holds::Text | Holds::File | Holds::Name(_) | Holds::Percent => json!({ "type": "string" }),
-        Holds::Word(words) => {
+        ValueType::Text | ValueType::File | ValueType::Name(_) | ValueType::Percent => {
+            json!({ "type": "string" })
+        }
+        ValueType::Word(words) => {
             let words: Vec<Value> = words.iter().map(|word| of_word(word.word, word.meaning)).collect();
             json!({ "oneOf": words })
         }
-        Holds::Flag => json!({ "type": "boolean" }),
-        Holds::Whole(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
-        Holds::Measure(Measure { accepts: [Dimension::Ratio], .. }) | Holds::Any => {
+        ValueType::Flag => json!({ "type": "boolean" }),
+        ValueType::Whole(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
+        ValueType::Measure(Measure { accepts: [Dimension::Ratio], .. }) | ValueType::Any => {
             json!({ "type": ["number", "string"] })
         }
-        Holds::Measure(_) => json!({ "type": "string" }),
-        Holds::List(inner) => json!({ "type": "array", "items": of_value(inner, key, keys) }),
-        Holds::Pair(inner) => {
+        ValueType::Measure(_) => json!({ "type": "string" }),
+        ValueType::List(inner) => json!({ "type": "array", "items": of_value(inner, key, keys) }),
+        ValueType::Pair(inner) => {
             json!({ "type": "array", "items": of_value(inner, key, keys), "minItems": 2, "maxItems": 2 })
         }
-        Holds::Either(shapes) => {
+        ValueType::Either(shapes) => {
             let shapes: Vec<Value> = shapes.iter().map(|shape| of_value(shape, key, keys)).collect();
             json!({ "anyOf": shapes })
         }
-        Holds::Table => of_table(key.name, keys),
-        Holds::OneOf => {
+        ValueType::Table => of_table(key.name, keys),
+        ValueType::OneOf => {
             let mut table = of_table(key.name, keys);
             table["minProperties"] = json!(1);
             table["maxProperties"] = json!(1);
             table
         }
-        Holds::Free => json!({ "type": "object", "additionalProperties": { "type": ["number", "string"] } }),
+        ValueType::Free => {
+            json!({ "type": "object", "additionalProperties": { "type": ["number", "string"] } })
+        }
     }
 }
 

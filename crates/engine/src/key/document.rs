@@ -7,18 +7,18 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::key::sweep::Sweep;
-use crate::key::{Holds, Key, Measure, joined};
+use crate::key::{Key, Measure, ValueType, joined};
 use sagnac_base::quantity::units::{self, Dimension, Quantity};
 use sagnac_base::source::diagnose::{Fault, choices};
 
 /// The value of a key, or an item of its list. Its shape has been checked against the key.
 #[derive(Clone, Copy)]
-pub(crate) struct Given<'a> {
+pub(crate) struct SpannedValue<'a> {
     pub(crate) key: &'static Key,
     pub(crate) value: &'a Spanned<DeValue<'a>>,
 }
 
-impl fmt::Display for Given<'_> {
+impl fmt::Display for SpannedValue<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.value.get_ref() {
             DeValue::String(text) => write!(f, "\"{text}\""),
@@ -30,15 +30,15 @@ impl fmt::Display for Given<'_> {
     }
 }
 
-impl<'a> Given<'a> {
+impl<'a> SpannedValue<'a> {
     /// The place of the value in the text.
     pub(crate) fn span(&self) -> Range<usize> {
         self.value.span()
     }
 
     /// The same value, read as that of another key.
-    pub(crate) fn of(self, key: &'static Key) -> Given<'a> {
-        Given { key, ..self }
+    pub(crate) fn of(self, key: &'static Key) -> SpannedValue<'a> {
+        SpannedValue { key, ..self }
     }
 
     pub(crate) fn fault(
@@ -69,16 +69,16 @@ impl<'a> Given<'a> {
     }
 
     /// The items of a list; empty where the value is not a list.
-    pub(crate) fn items(&self) -> Vec<Given<'a>> {
+    pub(crate) fn items(&self) -> Vec<SpannedValue<'a>> {
         let items = self.value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
-        items.map(|value| Given { key: self.key, value }).collect()
+        items.map(|value| SpannedValue { key: self.key, value }).collect()
     }
 
     /// Reads the items of a list, of which each may occur once. `read` gives an item as messages show it, and its
     /// value.
     pub(crate) fn distinct<T: PartialEq>(
         &self,
-        read: impl Fn(Given<'a>) -> Result<(String, T), Fault>,
+        read: impl Fn(SpannedValue<'a>) -> Result<(String, T), Fault>,
         help: &str,
     ) -> Result<Vec<T>, Fault> {
         let mut values = Vec::new();
@@ -141,8 +141,8 @@ impl<'a> Given<'a> {
     }
 
     /// Reads a quantity for which other limits hold.
-    pub(crate) fn read(&self, holds: &Holds) -> Result<Quantity, Fault> {
-        if let Holds::Whole(low, high) = holds {
+    pub(crate) fn read(&self, holds: &ValueType) -> Result<Quantity, Fault> {
+        if let ValueType::Whole(low, high) = holds {
             return Ok(Quantity::new(self.whole_within(*low, *high)? as f64, Dimension::Count));
         }
         let Some(Measure { accepts, limits: (low, high), range }) = holds.measured() else {
@@ -214,7 +214,7 @@ impl<'a> Given<'a> {
     /// Reads the whole number that its key holds.
     pub(crate) fn whole(&self) -> Result<i64, Fault> {
         match self.key.holds {
-            Holds::Whole(low, high) => self.whole_within(low, high),
+            ValueType::Whole(low, high) => self.whole_within(low, high),
             _ => self.whole_within(i64::MIN, i64::MAX),
         }
     }
@@ -263,13 +263,13 @@ impl<'a> Table<'a> {
     }
 
     /// The value of a key of this table, or of a table within it.
-    pub(crate) fn get(&self, key: &'static Key) -> Option<Given<'a>> {
+    pub(crate) fn get(&self, key: &'static Key) -> Option<SpannedValue<'a>> {
         let (path, mut entries) = (key.name.strip_prefix(self.name)?.trim_start_matches('.'), self.entries);
         let (tables, last) = path.rsplit_once('.').unwrap_or(("", path));
         for table in tables.split('.').filter(|table| !table.is_empty()) {
             entries = entries.get(table)?.get_ref().as_table()?;
         }
-        Some(Given { key, value: entries.get(last)? })
+        Some(SpannedValue { key, value: entries.get(last)? })
     }
 
     /// The place of a key.
@@ -278,7 +278,7 @@ impl<'a> Table<'a> {
     }
 
     /// The value of a required key.
-    pub(crate) fn needed(&self, key: &'static Key) -> Result<Given<'a>, Fault> {
+    pub(crate) fn needed(&self, key: &'static Key) -> Result<SpannedValue<'a>, Fault> {
         self.get(key).ok_or_else(|| Fault::missing_key(key.name, key.example, self.innermost(key)))
     }
 
@@ -314,7 +314,7 @@ pub(crate) fn check(table: &Table, keys: &[&'static Key], stray: Stray) -> Resul
             };
             return Err(stray(&joined(table.name, written), value.span()).unwrap_or_else(unknown));
         };
-        check_value(Given { key, value }, &key.holds, false, keys, stray)?;
+        check_value(SpannedValue { key, value }, &key.holds, false, keys, stray)?;
     }
     match own().find(|key| key.required && table.get(key).is_none()) {
         Some(key) => Err(Fault::missing_key(key.name, key.example, table.span.clone())),
@@ -323,31 +323,31 @@ pub(crate) fn check(table: &Table, keys: &[&'static Key], stray: Stray) -> Resul
 }
 
 fn check_value(
-    given: Given,
-    holds: &Holds,
+    given: SpannedValue,
+    holds: &ValueType,
     item: bool,
     keys: &[&'static Key],
     stray: Stray,
 ) -> Result<(), Fault> {
     let shape = match holds {
-        Holds::Either(shapes) => shapes.iter().find(|shape| has_shape(given, shape)),
+        ValueType::Either(shapes) => shapes.iter().find(|shape| has_shape(given, shape)),
         shape => Some(shape).filter(|shape| has_shape(given, shape)),
     };
     match (shape, given.table()) {
         (None, _) => Err(wrong_shape(given, item)),
-        (Some(Holds::Pair(_)), _) if given.items().len() != 2 => {
+        (Some(ValueType::Pair(_)), _) if given.items().len() != 2 => {
             let message = format!("{} needs two values, not {}", given.key.name, given.items().len());
             Err(given.fault(message, "not two values", format!("write it as in\n{}", given.key.example)))
         }
-        (Some(Holds::List(inner) | Holds::Pair(inner)), _) => {
+        (Some(ValueType::List(inner) | ValueType::Pair(inner)), _) => {
             given.items().into_iter().try_for_each(|part| check_value(part, inner, true, keys, stray))
         }
-        (Some(Holds::Word(words)), _) if !words.iter().any(|known| known.word == given.text()) => {
+        (Some(ValueType::Word(words)), _) if !words.iter().any(|known| known.word == given.text()) => {
             let known: Vec<&str> = words.iter().map(|known| known.word).collect();
             let help = choices(given.text(), &known);
             Err(given.fault(format!("unknown value {given}"), "not one of the choices", help))
         }
-        (Some(Holds::OneOf), Some(table)) if table.entries.len() != 1 => {
+        (Some(ValueType::OneOf), Some(table)) if table.entries.len() != 1 => {
             check(&table, keys, stray)?;
             let forms = keys.iter().filter(|key| key.table() == table.name);
             let forms: Vec<&Key> = forms.copied().collect();
@@ -356,32 +356,32 @@ fn check_value(
             let examples: Vec<String> = forms.iter().map(|key| format!("{{ {} }}", key.example)).collect();
             Err(given.fault(message, "not exactly one", format!("accepted: {}", examples.join(", or "))))
         }
-        (Some(Holds::Table | Holds::OneOf), Some(table)) => check(&table, keys, stray),
-        (Some(Holds::Free), Some(table)) => {
-            let mut parts = table.entries.iter().map(|(_, value)| Given { value, ..given });
-            parts.try_for_each(|part| check_value(part, &Holds::Any, true, keys, stray))
+        (Some(ValueType::Table | ValueType::OneOf), Some(table)) => check(&table, keys, stray),
+        (Some(ValueType::Free), Some(table)) => {
+            let mut parts = table.entries.iter().map(|(_, value)| SpannedValue { value, ..given });
+            parts.try_for_each(|part| check_value(part, &ValueType::Any, true, keys, stray))
         }
         _ => Ok(()),
     }
 }
 
 /// Whether a value has the required shape (text, number, list, …), regardless of its content.
-fn has_shape(given: Given, holds: &Holds) -> bool {
+fn has_shape(given: SpannedValue, holds: &ValueType) -> bool {
     let value = given.value.get_ref();
     match holds {
-        Holds::Text | Holds::Word(_) | Holds::Name(_) | Holds::File => value.is_str(),
-        Holds::Flag => value.is_bool(),
-        Holds::Whole(..) | Holds::Measure(_) | Holds::Percent | Holds::Any => {
+        ValueType::Text | ValueType::Word(_) | ValueType::Name(_) | ValueType::File => value.is_str(),
+        ValueType::Flag => value.is_bool(),
+        ValueType::Whole(..) | ValueType::Measure(_) | ValueType::Percent | ValueType::Any => {
             !value.is_array() && !value.is_table() && !value.is_datetime()
         }
-        Holds::List(_) | Holds::Pair(_) => value.is_array(),
-        Holds::Either(shapes) => shapes.iter().any(|shape| has_shape(given, shape)),
-        Holds::Table | Holds::OneOf | Holds::Free => value.is_table(),
+        ValueType::List(_) | ValueType::Pair(_) => value.is_array(),
+        ValueType::Either(shapes) => shapes.iter().any(|shape| has_shape(given, shape)),
+        ValueType::Table | ValueType::OneOf | ValueType::Free => value.is_table(),
     }
 }
 
 /// The fault of a value whose shape (text, number, list, …) is wrong.
-pub(crate) fn wrong_shape(given: Given, item: bool) -> Fault {
+pub(crate) fn wrong_shape(given: SpannedValue, item: bool) -> Fault {
     let (name, what) = (given.key.name, given.described());
     let message = match item {
         true => format!("`{name}` cannot hold {what}"),
@@ -395,15 +395,15 @@ type Keys = Vec<(&'static str, Range<usize>)>;
 
 /// The keys of a study as written, and those that it sweeps.
 #[derive(Debug, Clone)]
-pub struct Places {
+pub struct SpanMap {
     written: Keys,
     swept: Keys,
 }
 
-impl Places {
-    pub(crate) fn of(sweeps: &[Sweep]) -> Places {
+impl SpanMap {
+    pub(crate) fn of(sweeps: &[Sweep]) -> SpanMap {
         let swept = sweeps.iter().map(|sweep| (sweep.key.name, sweep.span.clone())).collect();
-        Places { written: vec![], swept }
+        SpanMap { written: vec![], swept }
     }
 
     pub(crate) fn add(&mut self, key: &'static str, value: Range<usize>) {

@@ -5,7 +5,7 @@ pub(crate) mod document;
 pub mod sensitivity;
 pub mod sweep;
 
-use crate::key::document::{Given, Places, Table};
+use crate::key::document::{SpanMap, SpannedValue, Table};
 use crate::key::sweep::{Setting, Sweep};
 pub use sagnac_base::names;
 use sagnac_base::quantity::number::significant;
@@ -51,7 +51,7 @@ pub struct Key {
     pub role: Role,
     /// Its meaning.
     pub(crate) doc: &'static str,
-    pub(crate) holds: Holds,
+    pub(crate) holds: ValueType,
     /// An example as written in a study file.
     pub example: &'static str,
     /// Whether its table requires it.
@@ -104,18 +104,20 @@ impl Key {
 
     /// Whether it holds whole numbers.
     pub fn is_whole(&self) -> bool {
-        matches!(self.holds, Holds::Whole(..))
+        matches!(self.holds, ValueType::Whole(..))
     }
 
     /// Whether it holds the name of a file.
     pub(crate) fn is_file(&self) -> bool {
-        matches!(self.holds, Holds::File)
+        matches!(self.holds, ValueType::File)
     }
 
     /// Whether a quantity is within its limits.
     pub(crate) fn admits(&self, value: f64) -> bool {
         match self.holds {
-            Holds::Whole(low, high) => value.fract() == 0.0 && (low as f64..=high as f64).contains(&value),
+            ValueType::Whole(low, high) => {
+                value.fract() == 0.0 && (low as f64..=high as f64).contains(&value)
+            }
             _ => self
                 .holds
                 .measured()
@@ -126,8 +128,8 @@ impl Key {
     /// The names that it accepts, where it holds one of several.
     pub(crate) fn names(&self) -> Vec<&'static str> {
         match self.holds {
-            Holds::Name(names) => names.to_vec(),
-            Holds::Word(words) => words.iter().map(|word| word.word).collect(),
+            ValueType::Name(names) => names.to_vec(),
+            ValueType::Word(words) => words.iter().map(|word| word.word).collect(),
             _ => vec![],
         }
     }
@@ -140,7 +142,7 @@ impl Key {
     /// The range of its values for the user, or the available names.
     pub(crate) fn range(&self) -> String {
         match self.holds {
-            Holds::Whole(low, high) => format!("{low} to {high}"),
+            ValueType::Whole(low, high) => format!("{low} to {high}"),
             _ if self.is_name() => self.names().join(", "),
             _ => self.holds.measured().map_or("", |measure| measure.range).to_owned(),
         }
@@ -149,9 +151,9 @@ impl Key {
     /// Why it cannot be swept, where that is the case.
     pub(crate) fn fixed(&self) -> &'static str {
         match self.holds {
-            Holds::Text | Holds::Word(_) | Holds::Name(_) | Holds::File => "is text",
-            Holds::List(_) | Holds::Pair(_) => "is a list",
-            Holds::Table | Holds::OneOf | Holds::Free => "is a table",
+            ValueType::Text | ValueType::Word(_) | ValueType::Name(_) | ValueType::File => "is text",
+            ValueType::List(_) | ValueType::Pair(_) => "is a list",
+            ValueType::Table | ValueType::OneOf | ValueType::Free => "is a table",
             _ => "holds for the whole study",
         }
     }
@@ -169,7 +171,7 @@ pub(crate) fn joined(table: &str, key: &str) -> String {
 
 /// The shape of a key's value, with its limits.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Holds {
+pub(crate) enum ValueType {
     Text,
     /// One of several words.
     Word(&'static [Word]),
@@ -185,11 +187,11 @@ pub(crate) enum Holds {
     Percent,
     /// One value whose meaning depends on others.
     Any,
-    List(&'static Holds),
+    List(&'static ValueType),
     /// A list of two values.
-    Pair(&'static Holds),
+    Pair(&'static ValueType),
     /// One of several shapes.
-    Either(&'static [Holds]),
+    Either(&'static [ValueType]),
     /// A table of the keys whose names continue this one's.
     Table,
     /// A table with exactly one of its keys.
@@ -215,22 +217,22 @@ pub(crate) const fn measure(
     low: f64,
     high: f64,
     range: &'static str,
-) -> Holds {
-    Holds::Measure(Measure { accepts, limits: (low, high), range })
+) -> ValueType {
+    ValueType::Measure(Measure { accepts, limits: (low, high), range })
 }
 
 /// A quantity without limits.
-pub(crate) const fn unlimited(accepts: &'static [Dimension]) -> Holds {
+pub(crate) const fn unlimited(accepts: &'static [Dimension]) -> ValueType {
     measure(accepts, f64::NEG_INFINITY, f64::INFINITY, "")
 }
 
-impl Holds {
+impl ValueType {
     /// The quantity that is held, also within lists or alternatives.
     pub(crate) fn measured(&self) -> Option<Measure> {
         match self {
-            Holds::Measure(measure) => Some(*measure),
-            Holds::List(inner) | Holds::Pair(inner) => inner.measured(),
-            Holds::Either(shapes) => shapes.iter().find_map(Holds::measured),
+            ValueType::Measure(measure) => Some(*measure),
+            ValueType::List(inner) | ValueType::Pair(inner) => inner.measured(),
+            ValueType::Either(shapes) => shapes.iter().find_map(ValueType::measured),
             _ => None,
         }
     }
@@ -238,10 +240,10 @@ impl Holds {
     /// The words that are held; empty for other shapes.
     pub(crate) fn words(&self) -> &'static [Word] {
         match self {
-            Holds::Word(words) => words,
-            Holds::List(inner) => inner.words(),
-            Holds::Either(shapes) => {
-                shapes.iter().map(Holds::words).find(|words| !words.is_empty()).unwrap_or_default()
+            ValueType::Word(words) => words,
+            ValueType::List(inner) => inner.words(),
+            ValueType::Either(shapes) => {
+                shapes.iter().map(ValueType::words).find(|words| !words.is_empty()).unwrap_or_default()
             }
             _ => &[],
         }
@@ -250,9 +252,9 @@ impl Holds {
     /// Whether the value may be a table with keys of its own.
     pub(crate) fn is_table(&self) -> bool {
         match self {
-            Holds::Table | Holds::OneOf => true,
-            Holds::List(inner) => inner.is_table(),
-            Holds::Either(shapes) => shapes.iter().any(Holds::is_table),
+            ValueType::Table | ValueType::OneOf => true,
+            ValueType::List(inner) => inner.is_table(),
+            ValueType::Either(shapes) => shapes.iter().any(ValueType::is_table),
             _ => false,
         }
     }
@@ -260,25 +262,29 @@ impl Holds {
     /// Description for sentences, such as `a text in quotes`.
     pub(crate) fn described(&self) -> String {
         match self {
-            Holds::Text | Holds::Word(_) | Holds::Name(_) | Holds::File => "a text in quotes".to_owned(),
-            Holds::Flag => "true or false".to_owned(),
-            Holds::Whole(..) => "a whole number".to_owned(),
-            Holds::Measure(Measure { accepts: [Dimension::Ratio], .. }) => {
+            ValueType::Text | ValueType::Word(_) | ValueType::Name(_) | ValueType::File => {
+                "a text in quotes".to_owned()
+            }
+            ValueType::Flag => "true or false".to_owned(),
+            ValueType::Whole(..) => "a whole number".to_owned(),
+            ValueType::Measure(Measure { accepts: [Dimension::Ratio], .. }) => {
                 "a number, or percent in quotes".to_owned()
             }
-            Holds::Measure(_) => "a number with its unit, in quotes".to_owned(),
-            Holds::Percent => "a percentage in quotes".to_owned(),
-            Holds::Any => "one value".to_owned(),
-            Holds::List(Holds::Table) => "a list of tables in brackets".to_owned(),
-            Holds::List(Holds::Pair(_)) => "a list of pairs in brackets".to_owned(),
-            Holds::List(Holds::Text | Holds::Word(_)) => "a list of texts in brackets".to_owned(),
-            Holds::List(Holds::Measure(_)) => "a list of quantities in brackets".to_owned(),
-            Holds::List(_) => "a list in brackets".to_owned(),
-            Holds::Pair(_) => "a list of two ends".to_owned(),
-            Holds::Either(shapes) => shapes.iter().map(Holds::described).collect::<Vec<_>>().join(", or "),
-            Holds::Table => "a table".to_owned(),
-            Holds::OneOf => "a table of one key".to_owned(),
-            Holds::Free => "a table of columns and values".to_owned(),
+            ValueType::Measure(_) => "a number with its unit, in quotes".to_owned(),
+            ValueType::Percent => "a percentage in quotes".to_owned(),
+            ValueType::Any => "one value".to_owned(),
+            ValueType::List(ValueType::Table) => "a list of tables in brackets".to_owned(),
+            ValueType::List(ValueType::Pair(_)) => "a list of pairs in brackets".to_owned(),
+            ValueType::List(ValueType::Text | ValueType::Word(_)) => "a list of texts in brackets".to_owned(),
+            ValueType::List(ValueType::Measure(_)) => "a list of quantities in brackets".to_owned(),
+            ValueType::List(_) => "a list in brackets".to_owned(),
+            ValueType::Pair(_) => "a list of two ends".to_owned(),
+            ValueType::Either(shapes) => {
+                shapes.iter().map(ValueType::described).collect::<Vec<_>>().join(", or ")
+            }
+            ValueType::Table => "a table".to_owned(),
+            ValueType::OneOf => "a table of one key".to_owned(),
+            ValueType::Free => "a table of columns and values".to_owned(),
         }
     }
 }
@@ -291,8 +297,8 @@ macro_rules! words {
         #[allow(dead_code, reason = "some words are read from lists")]
         impl $name {
             /// The value as written, or the default.
-            pub(crate) fn of(given: Option<$crate::key::document::Given>) -> $name {
-                let named = |given: $crate::key::document::Given| {
+            pub(crate) fn of(given: Option<$crate::key::document::SpannedValue>) -> $name {
+                let named = |given: $crate::key::document::SpannedValue| {
                     $name::ALL.into_iter().find(|known| known.name() == given.text())
                 };
                 given.and_then(named).unwrap_or_default()
@@ -311,7 +317,7 @@ pub(crate) use words;
 /// Why a point cannot be sampled, and what to change.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
-pub struct Refusal {
+pub struct Unrepresentable {
     /// The key of the study that has to change.
     pub key: &'static str,
     /// The finding; it names the key.
@@ -320,10 +326,14 @@ pub struct Refusal {
     pub help: &'static str,
 }
 
-impl Refusal {
+impl Unrepresentable {
     /// A refusal whose message names the key and the finding.
-    pub(crate) fn new(key: &'static str, found: impl std::fmt::Display, help: &'static str) -> Refusal {
-        Refusal { key, message: format!("{key}: {found}"), help }
+    pub(crate) fn new(
+        key: &'static str,
+        found: impl std::fmt::Display,
+        help: &'static str,
+    ) -> Unrepresentable {
+        Unrepresentable { key, message: format!("{key}: {found}"), help }
     }
 }
 
@@ -349,23 +359,23 @@ keys! {
     /// The keys at the top of every study.
     pub(crate) static KEYS;
     /// Title shown above charts and reports.
-    pub TITLE = "title", "", Fixed, Holds::Text, r#"title = "Error of the gap fillers""#, required;
+    pub TITLE = "title", "", Fixed, ValueType::Text, r#"title = "Error of the gap fillers""#, required;
     /// The question that the study answers, in one sentence.
-    pub QUESTION = "question", "", Fixed, Holds::Text, r#"question = "Which filler is good enough?""#;
+    pub QUESTION = "question", "", Fixed, ValueType::Text, r#"question = "Which filler is good enough?""#;
     /// Kind of the study.
-    pub KIND = "kind", "", Fixed, Holds::Text, r#"kind = "gap-fill""#, required;
+    pub KIND = "kind", "", Fixed, ValueType::Text, r#"kind = "gap-fill""#, required;
     /// Seed of all random numbers; 1 if absent.
-    pub SEED = "seed", "", Fixed, Holds::Whole(0, i64::MAX), "seed = 1";
+    pub SEED = "seed", "", Fixed, ValueType::Whole(0, i64::MAX), "seed = 1";
     /// Monte Carlo trials at each point. If absent, 1 000 000; for kind = "switched-run" 100 000 runs, for kind =
     /// "allan" 1000 records, and for kind = "navigation" 1000 navigators. Kinds in closed form do not use it.
-    pub TRIALS = "trials", "", Fixed, Holds::Whole(1, MAX_TRIALS as i64), "trials = 1_000_000";
+    pub TRIALS = "trials", "", Fixed, ValueType::Whole(1, MAX_TRIALS as i64), "trials = 1_000_000";
     /// Requirement of the study, above 0, which its answer must stay within: an error as an angle, "10 arcsec", of a
     /// position as a distance, "1 nmi"; a drift or an Allan deviation as a rate, "0.01 deg/h"; the error of a coefficient as
     /// a percentage, "10 %". Charts of that estimate that have no limit of their own take it, and a chart that the study
     /// leaves to the program shows that estimate.
-    pub LIMIT = "limit", "", Fixed, Holds::Any, r#"limit = "10 arcsec""#;
+    pub LIMIT = "limit", "", Fixed, ValueType::Any, r#"limit = "10 arcsec""#;
     /// Whether the points share their random numbers.
-    pub STREAMS = "streams", "", Fixed, Holds::Word(Streams::WORDS), r#"streams = "independent""#;
+    pub STREAMS = "streams", "", Fixed, ValueType::Word(Streams::WORDS), r#"streams = "independent""#;
 }
 
 keys! {
@@ -374,11 +384,11 @@ keys! {
     /// Precision at which a point stops before it has all `trials`. "0.5 %" is half the width of the 95 % interval of
     /// the rms, relative to the rms. A table gives a precision for each of several estimates. "none" samples all
     /// trials.
-    pub PRECISION = "precision", "", Fixed, Holds::Either(&[Holds::Percent, Holds::Table]), r#"precision = "0.5 %""#;
+    pub PRECISION = "precision", "", Fixed, ValueType::Either(&[ValueType::Percent, ValueType::Table]), r#"precision = "0.5 %""#;
     /// Precision of the rms: "0.5 %".
-    PRECISION_RMS = "precision.rms", "", Fixed, Holds::Percent, r#"rms = "0.5 %""#;
+    PRECISION_RMS = "precision.rms", "", Fixed, ValueType::Percent, r#"rms = "0.5 %""#;
     /// Precision of the 99.73 % level: "2 %".
-    PRECISION_P99_73 = "precision.p99_73", "", Fixed, Holds::Percent, r#"p99_73 = "2 %""#;
+    PRECISION_P99_73 = "precision.p99_73", "", Fixed, ValueType::Percent, r#"p99_73 = "2 %""#;
 }
 
 /// Half the 95 % interval of each estimate, relative to the estimate, at which sampling may stop. A filler at a point
@@ -427,22 +437,22 @@ pub(crate) fn finer_than_bins(precision: &Precision) -> Option<String> {
 }
 
 /// Source from which a kind reads its inputs.
-pub(crate) struct Reading<'a> {
+pub(crate) struct ParseContext<'a> {
     /// The whole study, in which all keys belong to its kind and have the right shape.
     pub(crate) table: Table<'a>,
     pub(crate) sweeps: &'a [Sweep],
     /// The files that the study names.
     pub(crate) files: &'a Files,
     /// Places of the values read, for errors that are found later.
-    pub(crate) places: Places,
+    pub(crate) places: SpanMap,
     /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     pub(crate) notes: Vec<String>,
     /// Precision at which points stop; none for a kind without a stop rule.
     pub(crate) precision: Option<Precision>,
 }
 
-impl<'a> Reading<'a> {
-    pub(crate) fn get(&self, key: &'static Key) -> Option<Given<'a>> {
+impl<'a> ParseContext<'a> {
+    pub(crate) fn get(&self, key: &'static Key) -> Option<SpannedValue<'a>> {
         self.table.get(key)
     }
 

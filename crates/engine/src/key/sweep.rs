@@ -7,8 +7,8 @@ use std::path::Path;
 
 use toml::Spanned;
 
-use crate::key::document::{Given, Table};
-use crate::key::{Holds, Key, keys};
+use crate::key::document::{SpannedValue, Table};
+use crate::key::{Key, ValueType, keys};
 use sagnac_base::quantity::unit::Written;
 use sagnac_base::quantity::units::Quantity;
 pub use sagnac_base::scale::Scale;
@@ -19,30 +19,30 @@ keys! {
     /// The keys of sweeps.
     pub(crate) static KEYS;
     /// Sweeps, each of which varies one key; several of them multiply, and the first one changes slowest.
-    SWEEP = "sweep", "", Fixed, Holds::List(&Holds::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
+    SWEEP = "sweep", "", Fixed, ValueType::List(&ValueType::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
     /// Key to vary: "motion.frequency".
-    KEY = "sweep.key", "", Fixed, Holds::Text, "key = \"motion.frequency\"", required;
+    KEY = "sweep.key", "", Fixed, ValueType::Text, "key = \"motion.frequency\"", required;
     /// List of the values.
-    LIST = "sweep.list", "", Fixed, Holds::List(&Holds::Any), "list = [\"2 Hz\", \"5 Hz\"]";
+    LIST = "sweep.list", "", Fixed, ValueType::List(&ValueType::Any), "list = [\"2 Hz\", \"5 Hz\"]";
     /// Values at equal differences, both ends included.
-    LINEAR = "sweep.linear", "", Fixed, Holds::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
+    LINEAR = "sweep.linear", "", Fixed, ValueType::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
     /// First value of the swept key.
-    LINEAR_FROM = "sweep.linear.from", "", Fixed, Holds::Any, "from = \"2 Hz\"", required;
+    LINEAR_FROM = "sweep.linear.from", "", Fixed, ValueType::Any, "from = \"2 Hz\"", required;
     /// Last value.
-    LINEAR_TO = "sweep.linear.to", "", Fixed, Holds::Any, "to = \"40 Hz\"", required;
+    LINEAR_TO = "sweep.linear.to", "", Fixed, ValueType::Any, "to = \"40 Hz\"", required;
     /// Number of values.
     LINEAR_POINTS = "sweep.linear.points", "", Fixed, POINTS, "points = 20", required;
     /// Values at equal ratios, both ends included.
-    LOG = "sweep.log", "", Fixed, Holds::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
+    LOG = "sweep.log", "", Fixed, ValueType::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
     /// First value of the swept key, above 0.
-    LOG_FROM = "sweep.log.from", "", Fixed, Holds::Any, "from = \"2 Hz\"", required;
+    LOG_FROM = "sweep.log.from", "", Fixed, ValueType::Any, "from = \"2 Hz\"", required;
     /// Last value, above 0.
-    LOG_TO = "sweep.log.to", "", Fixed, Holds::Any, "to = \"40 Hz\"", required;
+    LOG_TO = "sweep.log.to", "", Fixed, ValueType::Any, "to = \"40 Hz\"", required;
     /// Number of values.
     LOG_POINTS = "sweep.log.points", "", Fixed, POINTS, "points = 24", required;
 }
 
-const POINTS: Holds = Holds::Whole(1, MAX_VALUES as i64);
+const POINTS: ValueType = ValueType::Whole(1, MAX_VALUES as i64);
 
 /// Largest number of values of one sweep.
 const MAX_VALUES: usize = 10_000;
@@ -81,7 +81,7 @@ pub(crate) fn read_all(
     let mut sweeps: Vec<Sweep> = Vec::new();
     let mut points = 1_usize;
     let tables = study.get(&SWEEP).map(|given| given.items()).unwrap_or_default();
-    for table in tables.iter().filter_map(Given::table) {
+    for table in tables.iter().filter_map(SpannedValue::table) {
         let name = table.needed(&KEY)?;
         let sweep =
             WrittenSweep { key: find(name, keys, sweepable, ["sweep", "swept"])?, name, table }.read()?;
@@ -115,13 +115,14 @@ pub(crate) fn selected<'f, T>(
 
 /// The input that a key sets. The keys of a table that takes exactly one of them all set the same input.
 pub(crate) fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
-    let forms = keys.iter().find(|table| table.name == key.table() && matches!(table.holds, Holds::OneOf));
+    let forms =
+        keys.iter().find(|table| table.name == key.table() && matches!(table.holds, ValueType::OneOf));
     forms.map_or(key.name, |forms| forms.name)
 }
 
 /// Finds the key that a sweep, or another part of a study with the same choice, names. `verb` says what is done to it.
 pub(crate) fn find(
-    name: Given,
+    name: SpannedValue,
     keys: &[&'static Key],
     sweepable: &[&'static Key],
     [verb, done]: [&str; 2],
@@ -180,7 +181,7 @@ pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str
 struct WrittenSweep<'a> {
     key: &'static Key,
     /// The name of the key.
-    name: Given<'a>,
+    name: SpannedValue<'a>,
     table: Table<'a>,
 }
 
@@ -231,7 +232,7 @@ impl WrittenSweep<'_> {
 
     /// Reads a sweep over some of the names that a key accepts, or over files, each identified by its name without
     /// folders and ending.
-    fn of_names(&self, list: Given) -> Result<Sweep, Fault> {
+    fn of_names(&self, list: SpannedValue) -> Result<Sweep, Fault> {
         self.count(list)?;
         let (key, known) = (self.key, self.key.names());
         let (mut values, mut files) = (Vec::new(), Vec::new());
@@ -268,7 +269,7 @@ impl WrittenSweep<'_> {
     }
 
     /// Checks that there is at least one value, and not too many.
-    fn count(&self, list: Given) -> Result<(), Fault> {
+    fn count(&self, list: SpannedValue) -> Result<(), Fault> {
         let fault =
             |message: String, label| Err(list.fault(message, label, "give one value or more, 10000 at most"));
         match list.items().len() {
@@ -280,7 +281,7 @@ impl WrittenSweep<'_> {
         }
     }
 
-    fn listed(&self, list: Given) -> Result<Vec<Quantity>, Fault> {
+    fn listed(&self, list: SpannedValue) -> Result<Vec<Quantity>, Fault> {
         self.count(list)?;
         let mut seen = HashSet::new();
         let mut values: Vec<Quantity> = Vec::new();
@@ -300,7 +301,7 @@ impl WrittenSweep<'_> {
 
     fn spaced(
         &self,
-        spaced: Given,
+        spaced: SpannedValue,
         [from, to, points]: [&'static Key; 3],
         is_log: bool,
     ) -> Result<Vec<Quantity>, Fault> {
@@ -346,7 +347,7 @@ impl WrittenSweep<'_> {
     }
 
     /// Checks that all values have one dimension, because a sweep is one column and a column has one unit.
-    fn same_dimension(&self, first: Quantity, value: Quantity, at: Given) -> Result<(), Fault> {
+    fn same_dimension(&self, first: Quantity, value: Quantity, at: SpannedValue) -> Result<(), Fault> {
         if first.dimension == value.dimension {
             return Ok(());
         }
@@ -467,7 +468,7 @@ pub(crate) fn set<I>(inputs: &mut I, settings: &[Setting<I>], swept: &[(&'static
 }
 
 /// The scale as written, or the default.
-pub(crate) fn scale_of(given: Option<Given>) -> Scale {
-    let named = |given: Given| Scale::ALL.into_iter().find(|known| known.name() == given.text());
+pub(crate) fn scale_of(given: Option<SpannedValue>) -> Scale {
+    let named = |given: SpannedValue| Scale::ALL.into_iter().find(|known| known.name() == given.text());
     given.and_then(named).unwrap_or_default()
 }

@@ -20,7 +20,7 @@ use std::sync::LazyLock;
 use crate::chart;
 use crate::key::docs::{self, Explained, OfKind, explain};
 use crate::key::document::{Table, check, wrong_shape};
-use crate::key::{self, Holds, KIND, TITLE, keys, measure, sensitivity, sweep};
+use crate::key::{self, KIND, TITLE, ValueType, keys, measure, sensitivity, sweep};
 use crate::study::Kind;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, choices};
@@ -101,7 +101,7 @@ fn of_others(kind: &Kind, name: &str, span: Range<usize>) -> Option<Fault> {
         .collect();
     let key = OF_KINDS.iter().flat_map(|other| &other.keys).find(|key| key.name == name)?;
     let what = match key.holds {
-        Holds::Table if key.table().is_empty() => format!("[{name}] is not a table"),
+        ValueType::Table if key.table().is_empty() => format!("[{name}] is not a table"),
         _ => format!("{name} is not a key"),
     };
     let message = format!("{what} of a study of kind = \"{}\"", kind.name);

@@ -7,9 +7,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::key::sweep::{Sweep, Swept};
-use crate::key::{Refusal, Streams};
+use crate::key::{Streams, Unrepresentable};
 use crate::sampling::batches::{Work, held_by_all, lacking, sample};
-use crate::sampling::{Done, Plan, RunError, Tables, Worker};
+use crate::sampling::{Plan, RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Address, Index, Store};
 use crate::study::Study;
@@ -122,7 +122,7 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
         subject: &'a S,
         points: &'a [P],
         swept: fn(&P) -> &Values,
-        lower: impl Fn(&'a P) -> Result<L, Refusal> + Sync,
+        lower: impl Fn(&'a P) -> Result<L, Unrepresentable> + Sync,
         progress: &dyn Progress,
     ) -> Result<Option<PointsPlan<'a, S, L>>, StudyError> {
         progress.start("points", 0, points.len() as u64);
@@ -137,7 +137,7 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
         let mut all = Vec::with_capacity(points.len());
         // Points after a refused one are not needed, so they are lowered some at a time.
         for points in points.chunks(LOWERED_AT_ONCE) {
-            let lowered: Vec<Option<Result<L, Refusal>>> = points.par_iter().map(lower).collect();
+            let lowered: Vec<Option<Result<L, Unrepresentable>>> = points.par_iter().map(lower).collect();
             for (point, lowered) in points.iter().zip(lowered) {
                 let Some(lowered) = lowered else { return Ok(None) };
                 all.push(lowered.map_err(|refusal| study.refused(swept(point), &refusal))?);
@@ -217,7 +217,7 @@ where
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         let mut wanted = self.first_wanted(share);
         let (started, mut trials) = (Instant::now(), 0);
         let stopped = loop {
@@ -234,7 +234,7 @@ where
         if !stopped {
             self.keep(store, share)?;
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+        Ok(RunStats { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
@@ -290,11 +290,11 @@ where
 
 /// The plan of such a study, which consists of its table only.
 #[derive(Debug)]
-pub(crate) struct Exact(pub(crate) Table);
+pub(crate) struct ClosedFormPlan(pub(crate) Table);
 
-impl Plan for Exact {
-    fn run(&self, _: &mut Store, _: &mut Worker, _: Share, _: &dyn Progress) -> Result<Done, RunError> {
-        Ok(Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
+impl Plan for ClosedFormPlan {
+    fn run(&self, _: &mut Store, _: &mut Worker, _: Share, _: &dyn Progress) -> Result<RunStats, RunError> {
+        Ok(RunStats { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
     }
 
     fn lacks(&self, _: &Store, _: Share) -> Result<u64, StoreError> {

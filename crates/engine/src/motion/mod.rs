@@ -5,8 +5,8 @@ pub mod keys;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Weak};
 
-use crate::key::Reading;
-use crate::key::document::Places;
+use crate::key::ParseContext;
+use crate::key::document::SpanMap;
 use crate::motion::keys::{
     ACCELERATION_DENSITIES, ALIAS, Design, GYRO, Interpolation, MODE_FREQUENCY, MODE_Q, MODE_RESPONSE, MODES,
     Phase, Position, RANDOM, RANDOM_PSD, RANDOM_RMS, SINE, SINE_ACCELERATION, SINE_FREQUENCY, SUSPENSION,
@@ -388,7 +388,7 @@ pub(crate) const KEYS: SuspensionKeys = SuspensionKeys {
 };
 
 /// Reads the vibration, if there is one.
-pub(crate) fn read(reading: &mut Reading) -> Result<Option<Vibration>, Fault> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<Option<Vibration>, Fault> {
     let Some(table) = reading.get(&SUSPENSION) else { return Ok(None) };
     let suspension = KEYS.read(reading)?;
     let acceleration = match (reading.get(&SINE), reading.get(&RANDOM)) {
@@ -439,7 +439,7 @@ impl Vibration {
 
     /// Refuses vibration above half the tick rate where aliasing is not allowed, and vibration so far above it that the
     /// result would be meaningless.
-    pub(crate) fn check(&self, tick_s: f64, most_tick_rates: f64, places: &Places) -> Result<(), Fault> {
+    pub(crate) fn check(&self, tick_s: f64, most_tick_rates: f64, places: &SpanMap) -> Result<(), Fault> {
         const VIBRATION: [&str; 4] = [
             "motion.suspension.sine.frequency",
             "motion.suspension.random.psd",

@@ -11,8 +11,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::device::Job;
-use crate::key::Refusal;
-use crate::sampling::{Done, Found, RunError, Worker};
+use crate::key::Unrepresentable;
+use crate::sampling::{Found, RunError, RunStats, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Address, Index, Provenance, Row, Store, Tally};
 use crate::tally::{Block, Share, base_log2, cover, fold, missing};
@@ -28,7 +28,7 @@ pub(crate) type Addressed = (Launch, Vec<Address>);
 /// The missing blocks of a launch.
 pub(crate) struct Work<'a> {
     /// Makes the launch for the batches that need it, because those of a hundred thousand points take much memory.
-    launch: Box<dyn Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a>,
+    launch: Box<dyn Fn() -> Result<Addressed, Unrepresentable> + Send + Sync + 'a>,
     /// Steps of one trial.
     steps: u64,
     pub(crate) blocks: Vec<Block>,
@@ -37,7 +37,7 @@ pub(crate) struct Work<'a> {
 impl<'a> Work<'a> {
     pub(crate) fn new(
         steps: u64,
-        launch: impl Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a,
+        launch: impl Fn() -> Result<Addressed, Unrepresentable> + Send + Sync + 'a,
         blocks: Vec<Block>,
     ) -> Work<'a> {
         Work { steps, launch: Box::new(launch), blocks }
@@ -185,7 +185,7 @@ impl Launches {
     ///
     /// # Errors
     /// A point is refused, which a run has proven to fit.
-    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Refusal> {
+    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Unrepresentable> {
         let mut missing = HashSet::new();
         let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
         let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
@@ -194,7 +194,7 @@ impl Launches {
             self.made.retain(|work, _| needed.contains(work));
         }
         let launch = |work: &&Work| Ok((place(work), Arc::new((work.launch)()?)));
-        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Refusal>>()?);
+        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Unrepresentable>>()?);
         Ok(batch.iter().map(|(work, _)| self.made[&place(work)].clone()).collect())
     }
 }
@@ -280,7 +280,7 @@ pub(crate) struct Wanted<'a> {
     /// The points, in order.
     pub(crate) points: &'a [Records],
     /// What makes the records of a point, by its place. It is asked whenever it is needed, because its tables may be large.
-    pub(crate) recipe: &'a dyn Fn(usize) -> Result<Arc<dyn Recorded>, Refusal>,
+    pub(crate) recipe: &'a dyn Fn(usize) -> Result<Arc<dyn Recorded>, Unrepresentable>,
 }
 
 impl Wanted<'_> {
@@ -315,7 +315,7 @@ impl Wanted<'_> {
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         let (trials, started) = (self.trials, Instant::now());
         let lacking = self.missing(store, share)?;
         let samples = |turn: usize, gap: Range<u64>| (gap.end - gap.start) * self.points[turn].samples;
@@ -354,7 +354,7 @@ impl Wanted<'_> {
             }
             Ok(())
         })?;
-        Ok(Done { trials: made, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+        Ok(RunStats { trials: made, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 }
 

@@ -10,8 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::chart::{Chart, Source};
 use crate::device::gpu::Gpu;
 use crate::device::select::reopen;
-use crate::device::{Advance, Attempts, Cpu, Device, GpuError, Job, Tallies};
-use crate::key::{Refusal, shown};
+use crate::device::{Advance, Cpu, Device, GpuError, Job, RetryProgress, Tallies};
+use crate::key::{Unrepresentable, shown};
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::tally::{Estimates, Id, NORMAL_95, Quantile, Share, z_score};
@@ -34,12 +34,12 @@ pub enum RunError {
     Gpu(#[from] GpuError),
     /// A point was refused that was lowered before, on another machine; or its closed form is not that of its inputs.
     #[error(transparent)]
-    Refused(#[from] Refusal),
+    Refused(#[from] Unrepresentable),
 }
 
 /// The outcome of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Done {
+pub struct RunStats {
     /// Trials sampled over all points.
     pub trials: u64,
     /// Duration of the run, s.
@@ -66,7 +66,7 @@ pub trait Plan: fmt::Debug {
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError>;
+    ) -> Result<RunStats, RunError>;
 
     /// Number of trials that the store lacks of a share.
     ///
@@ -181,7 +181,7 @@ pub(crate) fn check_representation(
     what: &str,
     [words, inputs]: [f64; 2],
     most: f64,
-) -> Result<(), Refusal> {
+) -> Result<(), Unrepresentable> {
     if (words - inputs).abs() <= most {
         return Ok(());
     }
@@ -192,7 +192,7 @@ pub(crate) fn check_representation(
         shown(inputs),
         shown(most)
     );
-    Err(Refusal::new(key, found, "this is a fault of the program: please report the study"))
+    Err(Unrepresentable::new(key, found, "this is a fault of the program: please report the study"))
 }
 
 /// The trials of a row and the estimates from them, which are absent before anything is sampled.
@@ -298,7 +298,7 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// The device fails, and no threads can be started for the processor to replace it.
     pub fn tally(&mut self, jobs: &[Job], advance: Advance) -> Result<Tallies, GpuError> {
-        let attempts = Attempts::new(advance);
+        let attempts = RetryProgress::new(advance);
         let notes = &self.notes;
         let tally = |device: &mut Device, jobs: &[Job], progress: Advance| {
             notes.persist(device, Gpu::halve_tiles, progress, |device, progress| {
@@ -327,7 +327,7 @@ impl<'a> Worker<'a> {
         records: Range<u64>,
         advance: Advance,
     ) -> Result<Vec<u128>, GpuError> {
-        let attempts = Attempts::new(advance);
+        let attempts = RetryProgress::new(advance);
         let notes = &self.notes;
         let sums = |device: &mut Device, records: Range<u64>, progress: Advance| {
             let count = (records.end - records.start) as usize;
@@ -420,7 +420,7 @@ impl Notes<'_> {
         advance: Advance,
         work: impl Fn(&mut Device, Advance) -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
-        let attempts = Attempts::new(advance);
+        let attempts = RetryProgress::new(advance);
         let (mut was_lost, mut was_short) = (false, false);
         loop {
             let error = match work(device, &attempts.next()) {

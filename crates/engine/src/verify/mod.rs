@@ -15,7 +15,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::device::select::{self, SelectError, Selection, SelfTest};
-use crate::device::{Cpu, Device, GpuError, Job, Load, Work};
+use crate::device::{Cpu, Device, GpuError, Job, Work, Workload};
 use crate::kinds::KINDS;
 use crate::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use crate::kinds::gap_fill::verify::configurations;
@@ -36,7 +36,7 @@ use sagnac_kernel::{Form, KERNELS, Kernel, philox};
 use sagnac_theory::allan::estimator::Estimator;
 
 /// The loads on which a kernel is checked; a building block has none.
-pub fn loads(kernel: &Kernel) -> Vec<Load> {
+pub fn loads(kernel: &Kernel) -> Vec<Workload> {
     KINDS.iter().flat_map(|kind| (kind.loads)()).filter(|load| load.kernel() == kernel.name).collect()
 }
 
@@ -121,7 +121,7 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
         }
         Form::Moments | Form::Records => {
             let loads = loads(kernel);
-            for Load { name, work, .. } in &loads {
+            for Workload { name, work, .. } in &loads {
                 let units = units.div_ceil(loads.len() as u64);
                 let reference = on_cpu(Width::PORTABLE, work, units)?;
                 for width in Width::available() {
@@ -169,7 +169,7 @@ fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
             }
             Form::Moments | Form::Records => {
                 let mut same = true;
-                for Load { work, self_test_units, .. } in &loads(kernel) {
+                for Workload { work, self_test_units, .. } in &loads(kernel) {
                     if let &Some(units) = self_test_units {
                         same &= on_device(device, work, units)? == on_cpu(Width::PORTABLE, work, units)?;
                     }

@@ -31,7 +31,7 @@ pub struct Text {
 
 /// Every shader of every kernel.
 fn texts(variant: Variant) -> Vec<Text> {
-    let of_load = |Load { name, work, .. }: Load| match &work {
+    let of_load = |Workload { name, work, .. }: Workload| match &work {
         Work::Trials(launch) => {
             assert_eq!(launch.words().len(), launch.sampled().words(), "{name}");
             let parameters = Some(4 * launch.words().len());

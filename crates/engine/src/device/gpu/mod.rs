@@ -13,7 +13,7 @@ pub use crate::device::gpu::adapter::Adapter;
 #[doc(hidden)]
 pub use crate::device::gpu::adapter::{Fault, Faults, Moment};
 use crate::device::gpu::adapter::{Heard, within_limit};
-use crate::device::gpu::tile::{Part, Rest};
+use crate::device::gpu::tile::{Part, Tiler};
 use crate::device::select::SelfTest;
 use crate::device::{Advance, GpuError, Job, Tallies};
 use sagnac_kernel::curve::Recorded;
@@ -222,7 +222,7 @@ impl Gpu {
             .iter()
             .map(|job| vec![Moments::empty(histogram); job.launch.sampled().estimates()])
             .collect();
-        let mut rest = Rest::of(jobs);
+        let mut rest = Tiler::of(jobs);
         let mut before = None;
         // While one tile runs, the next is prepared and the one before is read.
         loop {

@@ -287,15 +287,15 @@ fn add_partial(tally: &mut Moments, sums: &[u32]) {
 const MAX_PIECES: usize = 1024;
 
 /// The remaining trials of some jobs, handed out tile by tile.
-pub(crate) struct Rest<'a> {
+pub(crate) struct Tiler<'a> {
     jobs: &'a [Job<'a>],
     job: usize,
     done: u64,
 }
 
-impl<'a> Rest<'a> {
-    pub(crate) fn of(jobs: &'a [Job<'a>]) -> Rest<'a> {
-        Rest { jobs, job: 0, done: 0 }
+impl<'a> Tiler<'a> {
+    pub(crate) fn of(jobs: &'a [Job<'a>]) -> Tiler<'a> {
+        Tiler { jobs, job: 0, done: 0 }
     }
 
     /// The next parts, of `steps` steps together or as many as are left, but at least one trial.

@@ -3,8 +3,8 @@
 
 use rayon::prelude::*;
 
-use crate::key::document::{Given, Table as StudyTable};
-use crate::key::{Holds, unlimited};
+use crate::key::document::{SpannedValue, Table as StudyTable};
+use crate::key::{ValueType, unlimited};
 use crate::kinds::allan::run::{Found, Scatter};
 use crate::kinds::allan::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap, Point, TAU};
 use crate::kinds::plan::Values;
@@ -248,7 +248,7 @@ pub(crate) struct Estimate {
 /// Differences within an averaging time where not all are used.
 const PARTS: u64 = 64;
 
-const TIMES: Holds = unlimited(&[Dimension::Time]);
+const TIMES: ValueType = unlimited(&[Dimension::Time]);
 
 /// Reads `[allan]`, with defaults for absent keys.
 pub(crate) fn read(study: &StudyTable) -> Result<Estimate, Fault> {
@@ -274,7 +274,7 @@ fn estimator(study: &StudyTable) -> Result<Estimator, Fault> {
     }
 }
 
-fn taus(written: Given) -> Result<Taus, Fault> {
+fn taus(written: SpannedValue) -> Result<Taus, Fault> {
     const NAMED: [(&str, Taus); 3] =
         [("octave", Taus::Octave), ("decade10", Taus::Decade(10)), ("decade20", Taus::Decade(20))];
     if !written.is_list() {
@@ -286,7 +286,7 @@ fn taus(written: Given) -> Result<Taus, Fault> {
             written.fault(message, "not a list of times", help)
         });
     }
-    let tau = |time: Given| match time.read(&TIMES)? {
+    let tau = |time: SpannedValue| match time.read(&TIMES)? {
         tau if tau.value > 0.0 => Ok((tau.to_string(), tau.value)),
         tau => Err(time.fault(format!("allan.tau lists {tau}"), "not above 0", "give times above 0")),
     };
@@ -298,7 +298,7 @@ fn taus(written: Given) -> Result<Taus, Fault> {
     Ok(Taus::Seconds(seconds))
 }
 
-fn terms(written: Given, difference: Difference) -> Result<Terms, Fault> {
+fn terms(written: SpannedValue, difference: Difference) -> Result<Terms, Fault> {
     // Third differences cancel a ramp.
     let is_seen = |term: &Term| difference == Difference::Second || *term != Term::RateRamp;
     if !written.is_list() {
@@ -308,7 +308,7 @@ fn terms(written: Given, difference: Difference) -> Result<Terms, Fault> {
         let message = format!("allan.fit = {written} names no terms");
         return Err(written.fault(message, "not auto and not a list", help("")));
     }
-    let term = |name: Given| match Term::ALL.into_iter().find(|term| term.symbol() == name.text()) {
+    let term = |name: SpannedValue| match Term::ALL.into_iter().find(|term| term.symbol() == name.text()) {
         Some(term) if is_seen(&term) => Ok((name.to_string(), term)),
         Some(_) => {
             let message = "allan.fit: the Hadamard variance does not see a rate ramp R";

@@ -7,17 +7,17 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Source, Text};
-use crate::key::document::Places;
+use crate::chart::{Source, TableSchema, Text};
+use crate::key::document::SpanMap;
 use crate::key::sweep::{self, Setting, Sweep, Swept, selected};
-use crate::key::{Holds, Key, Reading, keys, measure, words};
+use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::Estimate;
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::noise::{
     self, FILE, Noise, READOUT_LSB, SETTINGS as NOISE_SETTINGS, WrittenNoise, swept_files, values,
 };
 use crate::sampling::Planned;
-use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity};
@@ -52,7 +52,7 @@ fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
+fn read(reading: &mut ParseContext) -> Result<Allan, Wrong> {
     let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
     reading.set(&mut inputs, &SETTINGS)?;
     let WrittenNoise { noise, written } = noise::read(reading)?;
@@ -104,16 +104,16 @@ words! {
     }
 }
 
-const SAMPLES: Holds = measure(&[Dimension::Time], 1e-6, 1e6, "1 µs to 1e6 s");
-const LENGTHS: Holds = measure(&[Dimension::Time], 1e-6, 1e12, "1 µs to 1e12 s");
-const RATES: Holds = measure(&[Dimension::DriftRate], -1e9, 1e9, "-1e9 to 1e9 deg/h");
-const TEXTS: Holds = Holds::Either(&[Holds::Any, Holds::List(&Holds::Any)]);
+const SAMPLES: ValueType = measure(&[Dimension::Time], 1e-6, 1e6, "1 µs to 1e6 s");
+const LENGTHS: ValueType = measure(&[Dimension::Time], 1e-6, 1e12, "1 µs to 1e12 s");
+const RATES: ValueType = measure(&[Dimension::DriftRate], -1e9, 1e9, "-1e9 to 1e9 deg/h");
+const TEXTS: ValueType = ValueType::Either(&[ValueType::Any, ValueType::List(&ValueType::Any)]);
 
 keys! {
     /// The keys of the record.
     pub(crate) static KEYS;
     /// The record of a gyro at rest.
-    RECORD = "record", "", Fixed, Holds::Table, "[record]\nsample = \"1 s\"\nlength = \"9 h\"";
+    RECORD = "record", "", Fixed, ValueType::Table, "[record]\nsample = \"1 s\"\nlength = \"9 h\"";
     /// Time from one sample to the next: "1 s".
     SAMPLE = "record.sample", "sampling time", Choice, SAMPLES, r#"sample = "1 s""#, required;
     /// Time from the first sample to the last: "9 h". It is rounded to a whole number of samples.
@@ -126,13 +126,13 @@ keys! {
     /// The keys of the curve and its fit, for every kind of study that has one.
     pub(crate) static CURVE_KEYS;
     /// Estimates made from each record.
-    pub ALLAN_TABLE = "allan", "", Fixed, Holds::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
+    pub ALLAN_TABLE = "allan", "", Fixed, ValueType::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
     /// Averaging times: "octave", "decade10", "decade20", or ["1 s", "10 s"]; octave if absent.
     pub TAU = "allan.tau", "", Fixed, TEXTS, r#"tau = "octave""#;
     /// Estimated variance; "overlapping" if absent.
-    pub ESTIMATOR = "allan.estimator", "", Fixed, Holds::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
+    pub ESTIMATOR = "allan.estimator", "", Fixed, ValueType::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
     /// Fraction of the overlapping differences that is used; "m/64" if absent.
-    pub OVERLAP = "allan.overlap", "", Fixed, Holds::Word(Overlap::WORDS), r#"overlap = "full""#;
+    pub OVERLAP = "allan.overlap", "", Fixed, ValueType::Word(Overlap::WORDS), r#"overlap = "full""#;
     /// Coefficients fitted to each record: "auto" for those of Q, N, B, K, R that it supports, or some of "Q", "N",
     /// "B", "K", "R", "markov", "sine"; none if absent.
     pub FIT = "allan.fit", "", Fixed, TEXTS, r#"fit = ["Q", "N", "B"]"#;
@@ -176,9 +176,9 @@ impl Subject for Allan {
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
-        Some(Dissected { parts, subject: Arc::new(Allan { points, ..self.clone() }) })
+        Some(Ablation { parts, subject: Arc::new(Allan { points, ..self.clone() }) })
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
@@ -189,11 +189,11 @@ impl Subject for Allan {
         ROW * self.points.iter().map(|point| point.ms.len() as u64).sum::<u64>()
     }
 
-    fn grounds(&self) -> Vec<Ground> {
+    fn grounds(&self) -> Vec<TableSchema> {
         vec![
-            Ground {
+            TableSchema {
                 legend: ["mean of records", BANDS],
-                ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::DriftRate])
+                ..TableSchema::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::DriftRate])
             },
             coefficients(self.terms.as_ref()),
         ]
@@ -201,15 +201,15 @@ impl Subject for Allan {
 }
 
 /// The table of coefficients, for every kind of study that fits them.
-pub(crate) fn coefficients(terms: Option<&Terms>) -> Ground {
+pub(crate) fn coefficients(terms: Option<&Terms>) -> TableSchema {
     let shapes = Term::ALL.into_iter().filter_map(|term| Some(term.shape()?.symbol));
     let coefficients = Term::ALL.map(Term::symbol).into_iter().chain(shapes);
     let not_fitted =
         ("the chart is of coefficients, and none are fitted", "add them as in\n[allan]\nfit = \"auto\"");
-    Ground {
+    TableSchema {
         legend: ["Monte Carlo", BANDS],
         absent: terms.is_none().then_some(not_fitted),
-        ..Ground::of(
+        ..TableSchema::of(
             Source::Coefficients,
             abouts(&columns::coefficient_columns()),
             [Text::of(coefficients)],
@@ -283,7 +283,7 @@ pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,
     /// The noise of each file of a sweep over files, combined with the keys of the study.
     pub(crate) files: Vec<Noise>,
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a SpanMap,
     pub(crate) sweeps: &'a [Sweep],
     pub(crate) estimate: &'a Estimate,
 }

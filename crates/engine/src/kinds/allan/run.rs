@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::device::Cpu;
-use crate::key::Refusal;
+use crate::key::Unrepresentable;
 use crate::kinds::allan::columns::{CoefficientRow, Estimates, Row, coefficient_columns, columns};
 use crate::kinds::allan::lower::theory::{LoweredCurve, PhysicalTheory};
 use crate::kinds::allan::lower::{Asked, Records};
@@ -14,7 +14,7 @@ use crate::kinds::allan::{Allan, Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::plan::table;
 use crate::noise::Noise;
 use crate::sampling::batches::{Records as PointRecords, Wanted, held_by_all};
-use crate::sampling::{self, Done, RunError, Tables, Worker};
+use crate::sampling::{self, RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::study::Study;
@@ -80,7 +80,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Lowers a point and adds it.
-    fn push(&mut self, point: &RecordPoint) -> Result<(), Refusal> {
+    fn push(&mut self, point: &RecordPoint) -> Result<(), Unrepresentable> {
         let lowered = self.lowered(point)?;
         let recipe = lowered.records.recipe();
         check_memory(point, 4 * LANES * recipe.depth())?;
@@ -94,7 +94,7 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Refusal> {
+    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Unrepresentable> {
         LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
@@ -109,7 +109,7 @@ impl<'a> Plan<'a> {
 }
 
 /// Refuses a fit to fewer points than parameters.
-pub(crate) fn check_fit(terms: Option<&Terms>, ms: &[u64], samples: u64) -> Result<(), Refusal> {
+pub(crate) fn check_fit(terms: Option<&Terms>, ms: &[u64], samples: u64) -> Result<(), Unrepresentable> {
     let Some(terms) = terms else { return Ok(()) };
     let points = ms.iter().filter(|&&m| is_fitted(m, samples)).count();
     let parameters = terms.fewest_parameters();
@@ -120,11 +120,11 @@ pub(crate) fn check_fit(terms: Option<&Terms>, ms: &[u64], samples: u64) -> Resu
         "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
     );
     let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
-    Err(Refusal { key: "allan.tau", message, help })
+    Err(Unrepresentable { key: "allan.tau", message, help })
 }
 
 /// Refuses records that take too much memory side by side.
-fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Refusal> {
+fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Unrepresentable> {
     if bytes <= MAX_BYTES {
         return Ok(());
     }
@@ -132,7 +132,7 @@ fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Refusal> {
     let message =
         format!("records of {samples} samples need {mib} MiB on each thread for the longest averaging times");
     let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
-    Err(Refusal { key: "allan", message, help })
+    Err(Unrepresentable { key: "allan", message, help })
 }
 
 impl sampling::Plan for Plan<'_> {
@@ -142,7 +142,7 @@ impl sampling::Plan for Plan<'_> {
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         self.wanted(|wanted| wanted.sample(store, worker, share, progress))
     }
 
@@ -229,7 +229,11 @@ const PART_CHECKED: u64 = 16;
 ///
 /// # Errors
 /// A difference exceeds what the rounding of words explains.
-fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> Result<(f64, f64), Refusal> {
+fn off(
+    point: &RecordPoint,
+    lowered: &LoweredCurve,
+    estimator: Estimator,
+) -> Result<(f64, f64), Unrepresentable> {
     let physical = PhysicalTheory::of(point, estimator);
     let records = &lowered.records;
     let drifts = !records.recipe().drift.is_empty();
@@ -289,7 +293,7 @@ impl Plan<'_> {
         point: &'p RecordPoint,
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
-    ) -> Result<Vec<Row<'p>>, Refusal> {
+    ) -> Result<Vec<Row<'p>>, Unrepresentable> {
         let physical = PhysicalTheory::of(point, self.allan.estimator);
         let row = |(at, &m): (usize, &u64)| {
             let checked = lowered.map(|lowered| {
@@ -529,14 +533,14 @@ const SEEN: f64 = 1e-6;
 /// completed records.
 ///
 /// # Errors
-/// The fit cannot be represented in the kernel's fixed point: see [`Refusal`].
+/// The fit cannot be represented in the kernel's fixed point: see [`Unrepresentable`].
 pub fn realizations(
     cpu: &Cpu,
     curve: &Curve,
     fit: &Fit,
     count: usize,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Vec<f64>>, Refusal> {
+) -> Result<Vec<Vec<f64>>, Unrepresentable> {
     let process = seen(&without_band_limit(&fit.process), curve);
     let records = Records::new(&Asked {
         process: &process,

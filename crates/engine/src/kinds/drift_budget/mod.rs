@@ -4,13 +4,13 @@ use core::convert::identity;
 use core::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
-use crate::chart::{Ground, Source};
+use crate::chart::{Source, TableSchema};
 use crate::drift::{self, Drift, END, End, RESIDUAL_MAX, SCHEDULE_SETTINGS, Schedule};
 use crate::key::sweep::{self, Swept};
-use crate::key::{Key, Reading};
-use crate::kinds::plan::{Exact, table};
+use crate::key::{Key, ParseContext};
+use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::sampling::Planned;
-use crate::study::{self, Dissected, Kind, Part, Study, Subject};
+use crate::study::{self, Ablation, Kind, Part, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
@@ -51,7 +51,7 @@ fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
+fn read(reading: &mut ParseContext) -> Result<DriftBudget, Wrong> {
     reading.table.needed(&RESIDUAL_MAX)?;
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut drift, &drift::SETTINGS)?;
@@ -89,20 +89,20 @@ pub(crate) static DRIFT_BUDGET: Kind = Kind {
 impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
         let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
-        Ok(Some(Box::new(Exact(table(&study.sweeps, &columns(), &rows, |row| &row.point.swept)))))
+        Ok(Some(Box::new(ClosedFormPlan(table(&study.sweeps, &columns(), &rows, |row| &row.point.swept)))))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let point = self.points.get(point)?;
         let (parts, drifts) = study::points(&point.drift, &PARTS);
         let points = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
-        Some(Dissected { parts, subject: Arc::new(DriftBudget { points }) })
+        Some(Ablation { parts, subject: Arc::new(DriftBudget { points }) })
     }
 
-    fn grounds(&self) -> Vec<Ground> {
-        vec![Ground {
+    fn grounds(&self) -> Vec<TableSchema> {
+        vec![TableSchema {
             legend: ["", ""],
-            ..Ground::of(Source::Points, abouts(&columns()), [], &[Dimension::Rate, Dimension::Time])
+            ..TableSchema::of(Source::Points, abouts(&columns()), [], &[Dimension::Rate, Dimension::Time])
         }]
     }
 }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use crate::filler::read::{Extrapolation, GAP_TICKS, Written};
 use crate::filler::{Fill, Method, Specification, Target, TickList};
-use crate::key::document::Places;
+use crate::key::document::SpanMap;
 use crate::key::sweep::{self, Setting, Sweep, Swept};
-use crate::key::{Holds, Reading, keys, measure};
+use crate::key::{ParseContext, ValueType, keys, measure};
 use crate::kinds::TICK;
 use crate::motion::keys::Design;
 use crate::motion::{self, Frequency, Gaussian, Motion, Profile, Tone};
@@ -95,12 +95,12 @@ impl Inputs {
     }
 }
 
-const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
-const THREE_SIGMAS: Holds = measure(&[Dimension::Angle], 0.0, 3e6, "0 to 3e6 arcsec");
-const N: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
-const PULSES: Holds = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
-const RELOCKS: Holds = measure(&[Dimension::Angle], -1e6, 1e6, "-1e6 to 1e6 arcsec");
-const TABLE: Holds = Holds::Table;
+const ANGLES: ValueType = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
+const THREE_SIGMAS: ValueType = measure(&[Dimension::Angle], 0.0, 3e6, "0 to 3e6 arcsec");
+const N: ValueType = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
+const PULSES: ValueType = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
+const RELOCKS: ValueType = measure(&[Dimension::Angle], -1e6, 1e6, "-1e6 to 1e6 arcsec");
+const TABLE: ValueType = ValueType::Table;
 
 keys! {
     /// The keys of the gyro, except its tick.
@@ -109,7 +109,7 @@ keys! {
     pub GYRO = "gyro", "", Fixed, TABLE, "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.53 arcsec\" }";
     /// Noise of the angle of one tick, independent from tick to tick, in exactly one of three forms. Leave it out if
     /// [noise] gives the noise.
-    pub TICK_NOISE = "gyro.tick_noise", "", Fixed, Holds::OneOf, "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" if there is no noise, for example with readout_lsb alone";
+    pub TICK_NOISE = "gyro.tick_noise", "", Fixed, ValueType::OneOf, "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" if there is no noise, for example with readout_lsb alone";
     /// Standard deviation, an angle: "0.53 arcsec".
     NOISE_STD = "gyro.tick_noise.std", "tick noise σ", Condition, ANGLES, r#"std = "0.53 arcsec""#;
     /// Three standard deviations, an angle: "1.6 arcsec".
@@ -119,7 +119,7 @@ keys! {
     /// Angle of a pulse, if the gyro counts whole pulses: "3.2 arcsec". If absent, the readout is not quantized.
     pub READOUT_LSB = "gyro.readout_lsb", "pulse weight", Condition, PULSES, r#"readout_lsb = "3.2 arcsec""#;
     /// Angles that the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].
-    pub RELOCK = "gyro.relock", "", Fixed, Holds::List(&RELOCKS), r#"relock = ["20.3 arcsec", "14.8 arcsec"]"#;
+    pub RELOCK = "gyro.relock", "", Fixed, ValueType::List(&RELOCKS), r#"relock = ["20.3 arcsec", "14.8 arcsec"]"#;
 }
 
 /// The settings that can be swept, except the motion.
@@ -136,7 +136,7 @@ pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
 ];
 
 /// The noise of `[noise]`, where the study has it instead of `gyro.tick_noise`.
-pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<Option<Noise>, Wrong> {
     const ACCEPTED: &str = "accepted: gyro.tick_noise = { std = \"0.53 arcsec\" }, or the coefficients of a record as in\n\
                             [noise]\nfile = \"noise.toml\"";
     match (reading.get(&TICK_NOISE), reading.get(&NOISE)) {
@@ -275,7 +275,7 @@ impl Point {
 /// The inputs common to all points, with their places in the text.
 pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a SpanMap,
     pub(crate) sweeps: &'a [Sweep],
     pub(crate) fillers: &'a [Written],
     pub(crate) fit_ticks: TickList,

@@ -8,20 +8,20 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Law, Source, Text};
+use crate::chart::{Law, Source, TableSchema, Text};
 use crate::filler::read::{
     ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH, Written,
 };
 use crate::filler::{self, Closed, Filler, Method, Purpose, Target, TickList};
-use crate::key::document::Given;
-use crate::key::{self, Key, PRECISION, Reading, sweep};
+use crate::key::document::SpannedValue;
+use crate::key::{self, Key, PRECISION, ParseContext, sweep};
 use crate::kinds::gap_fill::inputs::{Inputs, Point, RELOCK, SETTINGS, TICK_NOISE, TickNoise};
 use crate::kinds::gap_fill::run::Proven;
 use crate::kinds::plan::PointsPlan;
 use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
 use crate::motion::{self, Motion, Profile};
 use crate::sampling::Planned;
-use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use crate::{kinds, noise};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
@@ -73,7 +73,7 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<GapFill, Wrong> {
     let fillers = reading.table.needed(&FILLERS)?;
     let mut inputs = read_inputs(reading)?;
     let written_fillers = filler::read::read(fillers, inputs.specification.as_ref())?;
@@ -120,7 +120,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
 }
 
 /// Reads the inputs, and notes what they leave out or assume.
-fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
+fn read_inputs(reading: &mut ParseContext) -> Result<Inputs, Wrong> {
     reading.table.needed(&GAP_TICKS)?;
     let motion = motion::keys::read(reading)?;
     // Each number is overwritten by its key.
@@ -148,7 +148,7 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
 }
 
 /// Reads the angles that the relock adds to ticks.
-fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
+fn read_relock(list: Option<SpannedValue>) -> Result<Vec<f64>, Fault> {
     let Some(list) = list else { return Ok(vec![]) };
     let items = list.items();
     if items.len() > MAX_SIDE {
@@ -158,7 +158,7 @@ fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
     items.iter().map(|angle| Ok(angle.quantity()?.value)).collect()
 }
 
-fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
+fn read_errors(list: Option<SpannedValue>) -> Result<Vec<Error>, Fault> {
     let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
     let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
     let errors = list.distinct(|item| Ok((item.to_string(), Error::of(Some(item)))), help)?;
@@ -196,23 +196,23 @@ impl Subject for GapFill {
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
-        Some(Dissected { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
+        Some(Ablation { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
     }
 
     fn bytes(&self) -> u64 {
         ROW * (self.points.len() * self.fillers.len() * self.errors.len()) as u64
     }
 
-    fn grounds(&self) -> Vec<Ground> {
+    fn grounds(&self) -> Vec<TableSchema> {
         let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
         let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name());
         let columns = abouts(&columns::columns(self.is_specified()));
-        vec![Ground {
+        vec![TableSchema {
             laws: columns::LAWS,
             is_specified: self.is_specified(),
-            ..Ground::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
+            ..TableSchema::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
         }]
     }
 }

@@ -3,7 +3,7 @@
 use crate::chart::Law;
 use crate::filler::read::Error;
 use crate::filler::{Filler, latency_ticks};
-use crate::key::{Precision, Refusal};
+use crate::key::{Precision, Unrepresentable};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Judge, Row, Size, Tuning, columns, tuned};
 use crate::kinds::gap_fill::inputs::{Inputs, Point};
@@ -241,7 +241,7 @@ impl Proof {
         estimate: &Estimate,
         inputs: &Inputs,
         physical: &PhysicalTheory,
-    ) -> Result<Proof, Refusal> {
+    ) -> Result<Proof, Unrepresentable> {
         let Estimate { error, address, mut theory, unit_arcsec, bin_base, .. } = *estimate;
         let physical_rms = theory.rms.and_then(|_| physical.rms(&estimate.rows, error));
         if let Some((words, inputs)) = theory.rms.zip(physical_rms) {
@@ -282,7 +282,7 @@ impl<'a> Proven<'a> {
         study: &'a Study,
         subject: &'a GapFill,
         point: &'a Point,
-    ) -> Result<Proven<'a>, Refusal> {
+    ) -> Result<Proven<'a>, Unrepresentable> {
         let lowered = Lowered::new(point, &subject.fillers, &subject.errors, study.seed, study.streams)?;
         let (id, replay) = (lowered.id, lowered.whole_replays(1));
         let physical = PhysicalTheory::new(&point.inputs, point.sides());
@@ -329,7 +329,7 @@ impl<'a> Proven<'a> {
     }
 
     /// The launch of some fillers with the same errors.
-    pub(crate) fn launch(&self, fillers: &[usize]) -> Result<Launch, Refusal> {
+    pub(crate) fn launch(&self, fillers: &[usize]) -> Result<Launch, Unrepresentable> {
         let Proven { study, subject, point, .. } = self;
         let own = fillers.iter().map(|&filler| (&subject.fillers[filler], &point.fills[filler]));
         let lowered = Lowered::of(point, own, &subject.errors, study.seed, study.streams)?;

@@ -7,17 +7,17 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Source};
-use crate::key::document::Places;
+use crate::chart::{Source, TableSchema};
+use crate::key::document::SpanMap;
 use crate::key::sweep::{self, Setting, Swept};
-use crate::key::{Holds, Key, Reading, keys, measure, words};
+use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::coefficient_columns;
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::allan::{self, coefficients};
 use crate::kinds::lock_in::run::{Plan, columns};
 use crate::motion::Motion;
 use crate::sampling::Planned;
-use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
@@ -63,7 +63,7 @@ fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<LockInStudy, Wrong> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<LockInStudy, Wrong> {
     let dither = reading
         .get(&DITHER)
         .map(|_| Dither { readout: Readout::of(reading.get(&READOUT)), ..Dither::default() });
@@ -203,27 +203,27 @@ impl Inputs {
     }
 }
 
-const SCALES: Holds = measure(&[Dimension::ScaleFactor], 1e-6, 1e6, "1e-6 to 1e6 arcsec/pulse");
-const THRESHOLDS: Holds = measure(&[Dimension::Rate], 1e-9, 1e6, "1e-9 to 1e6 arcsec/s");
-const WALKS: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e3, "0 to 1e3 deg/sqrt(h)");
-const FACTORS: Holds = measure(&[Dimension::Ratio], 0.25, 16.0, "0.25 to 16");
-const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e6, "0.001 Hz to 1e6 Hz");
-const AMPLITUDES: Holds = measure(&[Dimension::Rate], 1e-6, 1e9, "1e-6 to 1e9 arcsec/s");
-const RATIOS: Holds = measure(&[Dimension::Ratio], 0.0, 0.1, "0 to 0.1, or 0 % to 10 %");
-const PHASES: Holds = measure(&[Dimension::Angle], 0.0, 36_000.0, "0 to 10 deg");
-const RATES: Holds = measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s");
-const RAMPS: Holds = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-1e9 to 1e9 arcsec/s^2");
-const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e6, "1 µs to 1e6 s");
+const SCALES: ValueType = measure(&[Dimension::ScaleFactor], 1e-6, 1e6, "1e-6 to 1e6 arcsec/pulse");
+const THRESHOLDS: ValueType = measure(&[Dimension::Rate], 1e-9, 1e6, "1e-9 to 1e6 arcsec/s");
+const WALKS: ValueType = measure(&[Dimension::AngleRandomWalk], 0.0, 1e3, "0 to 1e3 deg/sqrt(h)");
+const FACTORS: ValueType = measure(&[Dimension::Ratio], 0.25, 16.0, "0.25 to 16");
+const FREQUENCIES: ValueType = measure(&[Dimension::Frequency], 1e-3, 1e6, "0.001 Hz to 1e6 Hz");
+const AMPLITUDES: ValueType = measure(&[Dimension::Rate], 1e-6, 1e9, "1e-6 to 1e9 arcsec/s");
+const RATIOS: ValueType = measure(&[Dimension::Ratio], 0.0, 0.1, "0 to 0.1, or 0 % to 10 %");
+const PHASES: ValueType = measure(&[Dimension::Angle], 0.0, 36_000.0, "0 to 10 deg");
+const RATES: ValueType = measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s");
+const RAMPS: ValueType = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-1e9 to 1e9 arcsec/s^2");
+const TIMES: ValueType = measure(&[Dimension::Time], 1e-6, 1e6, "1 µs to 1e6 s");
 
 keys! {
     /// The keys of the gyro, its dither and its input.
     pub(crate) static KEYS;
     /// The gyro.
-    GYRO = "gyro", "", Fixed, Holds::Table, "[gyro]\nscale_factor = \"2 arcsec/pulse\"";
+    GYRO = "gyro", "", Fixed, ValueType::Table, "[gyro]\nscale_factor = \"2 arcsec/pulse\"";
     /// Scale factor q, the input angle of one period of the beat: "2 arcsec/pulse".
     pub SCALE_FACTOR = "gyro.scale_factor", "scale factor", Choice, SCALES, r#"scale_factor = "2 arcsec/pulse""#, required;
     /// Lock-in of the two beams.
-    LOCK_IN_TABLE = "lock_in", "", Fixed, Holds::Table, "[lock_in]\nthreshold = \"180 arcsec/s\"";
+    LOCK_IN_TABLE = "lock_in", "", Fixed, ValueType::Table, "[lock_in]\nthreshold = \"180 arcsec/s\"";
     /// Lock-in threshold Ω_L, the largest rate that a gyro without dither does not see: "180 arcsec/s".
     pub THRESHOLD = "lock_in.threshold", "lock-in threshold", Condition, THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
     /// White phase noise of the beam, as the angle random walk that it causes without lock-in; 0 if absent.
@@ -232,7 +232,7 @@ keys! {
     pub REFINEMENT = "lock_in.refinement", "factor on the steps", Choice, FACTORS, "refinement = 2";
     /// Dither, a torsional oscillation of the block, which keeps the gyro out of lock-in; none if absent. Its noise is that of each
     /// half-cycle, from one zero crossing of its angle to the next.
-    pub DITHER = "dither", "", Fixed, Holds::Table, "[dither]\nfrequency = \"400 Hz\"\nrate = \"100 deg/s\"\namplitude_noise = \"2 %\"";
+    pub DITHER = "dither", "", Fixed, ValueType::Table, "[dither]\nfrequency = \"400 Hz\"\nrate = \"100 deg/s\"\namplitude_noise = \"2 %\"";
     /// Dither frequency f_d: "400 Hz".
     pub FREQUENCY = "dither.frequency", "dither frequency", Choice, FREQUENCIES, r#"frequency = "400 Hz""#, required;
     /// Amplitude Ω_D of the dither rate: "100 deg/s".
@@ -245,15 +245,15 @@ keys! {
     /// Standard deviation of the dither's phase at each reversal, which leaves the zero crossings where they are; 0 if absent.
     PHASE_NOISE = "dither.phase_noise", "phase noise of the dither", Choice, PHASES, r#"phase_noise = "0.5 deg""#;
     /// The angle that is put out; "stripped" if absent.
-    pub READOUT = "dither.readout", "", Fixed, Holds::Word(Readout::WORDS), r#"readout = "stripped""#;
+    pub READOUT = "dither.readout", "", Fixed, ValueType::Word(Readout::WORDS), r#"readout = "stripped""#;
     /// Input rate of the gyro; none if absent.
-    INPUT = "input", "", Fixed, Holds::Table, "[input]\nrate = \"37 arcsec/s\"";
+    INPUT = "input", "", Fixed, ValueType::Table, "[input]\nrate = \"37 arcsec/s\"";
     /// Input rate Ω at the start: "37 arcsec/s"; 0 if absent.
     pub RATE = "input.rate", "input rate", Condition, RATES, r#"rate = "37 arcsec/s""#;
     /// Change of the input rate, for a slow passage through a dead band: "1 arcsec/s^2"; 0 if absent.
     pub RAMP = "input.ramp", "ramp of the input rate", Choice, RAMPS, r#"ramp = "1 arcsec/s^2""#;
     /// The record of the angle.
-    RECORD = "record", "", Fixed, Holds::Table, "[record]\nlength = \"10 s\"";
+    RECORD = "record", "", Fixed, ValueType::Table, "[record]\nlength = \"10 s\"";
     /// Time from one sample of the angle to the next, rounded to whole periods of the dither unless it is left in; one period, or 10 ms
     /// without dither, if absent.
     pub SAMPLE = "record.sample", "sampling time", Choice, TIMES, r#"sample = "5 ms""#;
@@ -336,7 +336,7 @@ pub(crate) fn check(
     inputs: &Inputs,
     taus: Option<&Taus>,
     estimator: Estimator,
-    places: &Places,
+    places: &SpanMap,
 ) -> Result<Times, Fault> {
     if let Some(dither) = &inputs.dither
         && dither.rate <= inputs.threshold
@@ -388,7 +388,7 @@ fn factors(
     samples: u64,
     taus: Option<&Taus>,
     estimator: Estimator,
-    places: &Places,
+    places: &SpanMap,
 ) -> Result<Vec<u64>, Fault> {
     let Some(taus) = taus else { return Ok(vec![1 << (samples / USUAL_PART).max(1).ilog2()]) };
     let fault = |message: String, label| {
@@ -457,21 +457,24 @@ impl Subject for LockInStudy {
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let Point { swept, inputs, times } = self.points.get(point)?;
         let (parts, inputs) = study::points(inputs, &PARTS);
         let of = |inputs| Point { swept: swept.clone(), inputs, times: times.clone() };
         let points = inputs.into_iter().map(of).collect();
-        Some(Dissected { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })
+        Some(Ablation { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })
     }
 
     fn bytes(&self) -> u64 {
         ROW * self.points.iter().map(|point| point.times.ms.len() as u64).sum::<u64>()
     }
 
-    fn grounds(&self) -> Vec<Ground> {
+    fn grounds(&self) -> Vec<TableSchema> {
         let limits = &[Dimension::ShortAngleRandomWalk, Dimension::Rate];
-        vec![Ground::of(Source::Points, abouts(&columns()), [], limits), coefficients(self.terms.as_ref())]
+        vec![
+            TableSchema::of(Source::Points, abouts(&columns()), [], limits),
+            coefficients(self.terms.as_ref()),
+        ]
     }
 }
 

@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-use crate::key::Refusal;
+use crate::key::Unrepresentable;
 use crate::kinds::allan::columns::{CoefficientRow, coefficient_columns};
 use crate::kinds::allan::run::{Found, check_fit, geometry};
 use crate::kinds::lock_in::lower::{self, Gyros, Zone, failing};
 use crate::kinds::lock_in::{LockInStudy, Point, Times};
 use crate::kinds::plan::table;
 use crate::sampling::batches::{Records, Wanted, held_by_all};
-use crate::sampling::{self, Done, RunError, Tables, Worker};
+use crate::sampling::{self, RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::study::Study;
@@ -248,7 +248,7 @@ impl<'a> Plan<'a> {
                 return Ok(None);
             }
             let lowered = Gyros::new(point, subject.estimator, study.seed, study.streams);
-            let gyros = lowered.map_err(|refusal: Refusal| study.refused(&point.swept, &refusal))?;
+            let gyros = lowered.map_err(|refusal: Unrepresentable| study.refused(&point.swept, &refusal))?;
             check_fit(subject.terms.as_ref(), &point.times.ms, point.times.samples)
                 .map_err(|refusal| study.refused(&point.swept, &refusal))?;
             let samples = u64::from(gyros.recipe().samples);
@@ -333,7 +333,7 @@ impl sampling::Plan for Plan<'_> {
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         self.wanted(|wanted| wanted.sample(store, worker, share, progress))
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::device::{Load, Work};
+use crate::device::{Work, Workload};
 use crate::key::Streams;
 use crate::kinds::lock_in::lower::Gyros;
 use crate::kinds::lock_in::{Dither, Inputs, Point, Readout, Times};
@@ -54,8 +54,8 @@ pub fn lowered(inputs: &Inputs, periods: u64, samples: u64, estimator: Estimator
 }
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
-    let load = |(name, gyros): (&'static str, Gyros)| Load {
+pub fn loads() -> Vec<Workload> {
+    let load = |(name, gyros): (&'static str, Gyros)| Workload {
         name,
         self_test_units: (name == "everything").then(|| 40 * u64::from(gyros.recipe().samples)),
         work: Work::Records(Arc::new(gyros.recipe().clone())),

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::key::sensitivity::Uncertain;
-use crate::key::{Refusal, Streams, shown, sweep};
+use crate::key::{Streams, Unrepresentable, shown, sweep};
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::allan::lower::{Asked, DEVIATIONS, Records};
 use crate::kinds::gap_fill::lower::words_of;
@@ -81,8 +81,13 @@ impl Lowered {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The noise cannot be represented; see [`Refusal`].
-    pub fn new(point: &Point, study: &Navigation, seed: u64, streams: Streams) -> Result<Lowered, Refusal> {
+    /// The noise cannot be represented; see [`Unrepresentable`].
+    pub fn new(
+        point: &Point,
+        study: &Navigation,
+        seed: u64,
+        streams: Streams,
+    ) -> Result<Lowered, Unrepresentable> {
         let all = point.inputs.weights();
         let scales = scales(&all);
         let mut gyros = Vec::new();
@@ -154,7 +159,7 @@ impl At<'_> {
         scales: &[f64],
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredGyro, Refusal> {
+    ) -> Result<LoweredGyro, Unrepresentable> {
         let At { point, noise, set, place } = *self;
         let (sample_s, samples) = (point.inputs.sample(), point.inputs.samples());
         let inputs = crate::kinds::navigation::Inputs { noise: noise.clone(), ..point.inputs.clone() };
@@ -211,12 +216,12 @@ fn with_rate(records: &Records) -> Arc<[u32]> {
 }
 
 /// A refusal that names the keys of this kind instead of those of records.
-fn of_navigation(refusal: Refusal) -> Refusal {
+fn of_navigation(refusal: Unrepresentable) -> Unrepresentable {
     let key = match refusal.key {
         "record.length" | "record.sample" => "navigation.sample",
         key => key,
     };
-    Refusal { key, message: refusal.message.replacen(refusal.key, key, 1), ..refusal }
+    Unrepresentable { key, message: refusal.message.replacen(refusal.key, key, 1), ..refusal }
 }
 
 fn words_of_id(id: &Id) -> impl Iterator<Item = u32> {
@@ -228,7 +233,7 @@ const _: () = assert!(LIMIT == 1 << INCREMENT_BITS);
 
 /// The proof that no increment of the angle exceeds 2^[`INCREMENT_BITS`]: 16 standard deviations of its random parts, and
 /// all of its sine and of what all records share.
-fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
+fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Unrepresentable> {
     let noise = fixed.noise();
     let jumps = fixed.jumps().map_or(0.0, |jumps| jumps.variance);
     let rate = noise.rate(recipe.samples.into());
@@ -247,7 +252,7 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
         shown(largest * fixed.lsb_arcsec),
         shown(LIMIT as f64 * fixed.lsb_arcsec)
     );
-    Err(Refusal::new("noise", found, "take a shorter navigation.sample"))
+    Err(Unrepresentable::new("noise", found, "take a shorter navigation.sample"))
 }
 
 /// The random parts of the lowered words, in LSB and samples.
@@ -529,7 +534,7 @@ impl Lowered {
         errors: &[usize],
         rms: f64,
         physical: &PhysicalTheory,
-    ) -> Result<Option<f64>, Refusal> {
+    ) -> Result<Option<f64>, Unrepresentable> {
         let (inputs, most) = (physical.rms(errors), self.representation_bound(errors, rms));
         let off = (rms - inputs).abs();
         if off > most || off.is_nan() {
@@ -542,7 +547,7 @@ impl Lowered {
                 shown(most)
             );
             let help = "this is a fault of the program: please report the study";
-            return Err(Refusal::new("noise", found, help));
+            return Err(Unrepresentable::new("noise", found, help));
         }
         Ok(sampling::representation(Some(rms), Some(inputs), most))
     }

@@ -9,16 +9,16 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Source};
+use crate::chart::{Source, TableSchema};
 use crate::key::sensitivity::{self, Uncertain};
 use crate::key::sweep::{self, Setting};
-use crate::key::{Holds, Key, Reading, keys, measure, words};
+use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::navigation::columns::{LAWS, OF_FILTERS};
 pub use crate::kinds::navigation::point::{Inputs, Point};
 use crate::noise::{self, FILE, WrittenNoise, coefficient_values, swept_files, values};
 pub use crate::noise::{Noise, Switching};
 use crate::sampling::Planned;
-use crate::study::{Dissected, Kind, Part, Study, Subject};
+use crate::study::{Ablation, Kind, Part, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity};
@@ -58,7 +58,7 @@ fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<Navigation, Wrong> {
     reading.note(&[&NAVIGATION_TABLE, &FILTER]);
     let solution = Solution::of(reading.get(&SOLUTION));
     let calibrates = reading.get(&CALIBRATION).is_some_and(|given| given.flag());
@@ -96,7 +96,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
 }
 
 /// Refuses a key without effect on the solution, and a missing one.
-fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result<(), Fault> {
+fn check_keys(reading: &ParseContext, solution: Solution, calibrates: bool) -> Result<(), Fault> {
     let (needed, unused): (&[&'static Key], &[&'static Key]) = match solution {
         Solution::Inertial => (&[&DURATION, &LATITUDE], &[&FILTER]),
         Solution::Heading => (&[&DURATION], &[&LATITUDE, &SPEED, &COURSE]),
@@ -154,7 +154,7 @@ fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result
 }
 
 /// Reads the number of sets of coefficients, and their distributions, which must be those of the noise of the study.
-fn read_draws(reading: &Reading, noise: &Noise) -> Result<(u64, Vec<Uncertain>), Fault> {
+fn read_draws(reading: &ParseContext, noise: &Noise) -> Result<(u64, Vec<Uncertain>), Fault> {
     let Some(given) = reading.get(&DRAWS) else { return Ok((1, vec![])) };
     let draws = given.whole()?.cast_unsigned();
     let uncertain = sensitivity::read_all(&reading.table, &keys(), &sweepable(), &[])?;
@@ -259,16 +259,16 @@ impl Subject for Navigation {
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
-        Some(Dissected { parts, subject: Arc::new(Navigation { points, ..self.clone() }) })
+        Some(Ablation { parts, subject: Arc::new(Navigation { points, ..self.clone() }) })
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
         self.points.get(point).map(|point| values(&point.inputs.noise)).unwrap_or_default()
     }
 
-    fn grounds(&self) -> Vec<Ground> {
+    fn grounds(&self) -> Vec<TableSchema> {
         let columns = abouts(&columns::columns(self.solution, self.has_filter()));
         let limits: &[Dimension] = match self.solution {
             Solution::Inertial => &[Dimension::Distance, Dimension::Angle, Dimension::Speed],
@@ -279,7 +279,7 @@ impl Subject for Navigation {
             Solution::Heading if self.has_filter() => &OF_FILTERS[..],
             Solution::Heading | Solution::Gyrocompass => &[],
         };
-        vec![Ground { laws, ..Ground::of(Source::Points, columns, [], limits) }]
+        vec![TableSchema { laws, ..TableSchema::of(Source::Points, columns, [], limits) }]
     }
 }
 
@@ -359,31 +359,31 @@ words! {
     }
 }
 
-const DURATIONS: Holds = measure(&[Dimension::Time], 1.0, 1e7, "1 s to 1e7 s");
-const SAMPLES: Holds = measure(&[Dimension::Time], 1e-4, 120.0, "0.1 ms to 120 s");
-const LATITUDES: Holds = measure(&[Dimension::Bearing], -306_000.0, 306_000.0, "-85 deg to 85 deg");
-const COURSES: Holds = measure(&[Dimension::Bearing], -1_296_000.0, 1_296_000.0, "-360 deg to 360 deg");
+const DURATIONS: ValueType = measure(&[Dimension::Time], 1.0, 1e7, "1 s to 1e7 s");
+const SAMPLES: ValueType = measure(&[Dimension::Time], 1e-4, 120.0, "0.1 ms to 120 s");
+const LATITUDES: ValueType = measure(&[Dimension::Bearing], -306_000.0, 306_000.0, "-85 deg to 85 deg");
+const COURSES: ValueType = measure(&[Dimension::Bearing], -1_296_000.0, 1_296_000.0, "-360 deg to 360 deg");
 // 1000 m/s in g·s.
-const SPEEDS: Holds = measure(&[Dimension::Speed], 0.0, 101.971_621_298, "0 to 1000 m/s");
+const SPEEDS: ValueType = measure(&[Dimension::Speed], 0.0, 101.971_621_298, "0 to 1000 m/s");
 
 keys! {
     /// The keys of the navigator.
     pub(crate) static KEYS;
     /// The navigator: its task, its times, its place on the Earth and its leg.
-    pub NAVIGATION_TABLE = "navigation", "", Fixed, Holds::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
+    pub NAVIGATION_TABLE = "navigation", "", Fixed, ValueType::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
     /// Task of the navigator; "inertial" if absent.
-    pub SOLUTION = "navigation.solution", "", Fixed, Holds::Word(Solution::WORDS), r#"solution = "inertial""#;
+    pub SOLUTION = "navigation.solution", "", Fixed, ValueType::Word(Solution::WORDS), r#"solution = "inertial""#;
     /// Time from the start to the end, for "inertial" and "heading": "1 h".
     pub DURATION = "navigation.duration", "time of navigation", Question, DURATIONS, r#"duration = "1 h""#;
     /// Time at rest before the start, for "inertial" and "gyrocompass", in which the east gyro finds the heading from the
     /// rate of the Earth. If absent, "inertial" starts without errors. "heading" may have it for its calibration.
     pub ALIGNMENT = "navigation.alignment", "time of alignment", Fixed, DURATIONS, r#"alignment = "10 min""#;
     /// Whether the mean rates of the other gyros in the alignment are taken as their biases and removed; false if absent.
-    pub CALIBRATION = "navigation.calibration", "", Fixed, Holds::Flag, "calibration = true";
+    pub CALIBRATION = "navigation.calibration", "", Fixed, ValueType::Flag, "calibration = true";
     /// Path of the noise model of a Kalman filter, relative to the folder of the study, for "heading": a document of
     /// `sagnac model --json` with one column. The filter finds the bias of the gyro in the alignment and predicts it from the
     /// start on; calibration is that of a filter that knows white noise only.
-    pub FILTER = "navigation.filter", "filter", Fixed, Holds::File, r#"filter = "model.json""#;
+    pub FILTER = "navigation.filter", "filter", Fixed, ValueType::File, r#"filter = "model.json""#;
     /// Latitude at the start, for "inertial" and "gyrocompass": "60 deg".
     pub LATITUDE = "navigation.latitude", "latitude", Question, LATITUDES, r#"latitude = "60 deg""#;
     /// Speed on a straight leg, for "inertial"; at rest if absent: "250 m/s".
@@ -396,7 +396,7 @@ keys! {
     /// Number of sets of coefficients that are drawn from the distributions of [[sensitivity]], each for an equal part of
     /// the trials, so that the errors contain the uncertainty of the coefficients; if absent, they have the values of the
     /// study.
-    pub DRAWS = "navigation.draws", "", Fixed, Holds::Whole(2, 1000), "draws = 16";
+    pub DRAWS = "navigation.draws", "", Fixed, ValueType::Whole(2, 1000), "draws = 16";
 }
 
 /// The settings of these keys.

@@ -7,8 +7,8 @@ use miette::NamedSource;
 use serde::de::{Deserialize, Deserializer, Error};
 use serde_json::value::RawValue;
 
-use crate::key::Reading;
-use crate::key::document::Places;
+use crate::key::ParseContext;
+use crate::key::document::SpanMap;
 use crate::key::sweep::{self, Sweep, Swept, selected};
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::{FILTER, Lack, SETTINGS, Solution};
@@ -148,7 +148,7 @@ pub(crate) struct Base<'a> {
     pub(crate) files: Vec<Noise>,
     /// The noise model of each file of a sweep over filters.
     pub(crate) filters: Vec<Model>,
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a SpanMap,
     pub(crate) sweeps: &'a [Sweep],
 }
 
@@ -327,12 +327,12 @@ fn time<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
 }
 
 /// The model that the study writes.
-pub(crate) fn written(reading: &Reading) -> Result<Option<Model>, Wrong> {
+pub(crate) fn written(reading: &ParseContext) -> Result<Option<Model>, Wrong> {
     reading.get(&FILTER).map(|file| read(file.text(), file.span(), reading.files)).transpose()
 }
 
 /// The model of each file of a sweep.
-pub(crate) fn swept(reading: &Reading) -> Result<Vec<Model>, Wrong> {
+pub(crate) fn swept(reading: &ParseContext) -> Result<Vec<Model>, Wrong> {
     let files = reading.sweep(&FILTER).into_iter().flat_map(|sweep| &sweep.files);
     files.map(|file| read(file.get_ref(), file.span(), reading.files)).collect()
 }

@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::key::Refusal;
+use crate::key::Unrepresentable;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro, PhysicalTheory};
 use crate::kinds::plan::table;
 use crate::sampling::batches::{Records, Wanted, held_by_all};
-use crate::sampling::{self, Done, RunError, Tables, Worker};
+use crate::sampling::{self, RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::study::Study;
@@ -74,7 +74,7 @@ impl<'a> Plan<'a> {
             progress.advance(1);
             Some(records)
         };
-        let all: Vec<Option<Result<Vec<Records>, Refusal>>> =
+        let all: Vec<Option<Result<Vec<Records>, Unrepresentable>>> =
             (0..navigation.points.len()).into_par_iter().map(lower).collect();
         for (point, records) in navigation.points.iter().zip(all) {
             let Some(records) = records else { return Ok(None) };
@@ -86,12 +86,12 @@ impl<'a> Plan<'a> {
         Ok(Some(plan))
     }
 
-    fn lowered(&self, point: usize) -> Result<Lowered, Refusal> {
+    fn lowered(&self, point: usize) -> Result<Lowered, Unrepresentable> {
         Lowered::new(&self.navigation.points[point], self.navigation, self.study.seed, self.study.streams)
     }
 
     /// What makes the records of a gyro of a set of coefficients of a point.
-    fn recipe(&self, place: usize) -> Result<Arc<dyn Recorded>, Refusal> {
+    fn recipe(&self, place: usize) -> Result<Arc<dyn Recorded>, Unrepresentable> {
         let (point, gyro) = (place / self.of_point, place % self.of_point);
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         let lowered = match &*newest {
@@ -139,7 +139,7 @@ impl<'a> Plan<'a> {
         Ok(Row { point: of_point, trials, sizes, claim, representation })
     }
 
-    fn closed(&self, point: usize, lowered: &Lowered) -> Result<Closed, Refusal> {
+    fn closed(&self, point: usize, lowered: &Lowered) -> Result<Closed, Unrepresentable> {
         let of_point = &self.navigation.points[point];
         let quantities = Quantity::of(self.navigation.solution);
         let size = |quantity: &Quantity| {
@@ -154,7 +154,8 @@ impl<'a> Plan<'a> {
         let of_quantity = |(quantity, sizes): (&Quantity, &Sizes)| {
             lowered.representation(quantity.errors(), sizes.closed_rms, &physical)
         };
-        let found = quantities.iter().zip(&sizes).map(of_quantity).collect::<Result<Vec<_>, Refusal>>()?;
+        let found =
+            quantities.iter().zip(&sizes).map(of_quantity).collect::<Result<Vec<_>, Unrepresentable>>()?;
         let larger = |most: f64, one: f64| if one.abs() > most.abs() { one } else { most };
         Ok(Closed { sizes, claimed, representation: found.into_iter().flatten().reduce(larger) })
     }
@@ -195,11 +196,11 @@ impl sampling::Plan for Plan<'_> {
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         let done = self.wanted(|wanted| wanted.sample(store, worker, share, progress))?;
         // A navigator has several gyros.
         let gyros = (self.of_point as u64 / self.navigation.draws).max(1);
-        Ok(Done { trials: done.trials / gyros, ..done })
+        Ok(RunStats { trials: done.trials / gyros, ..done })
     }
 
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::device::{Load, Work};
+use crate::device::{Work, Workload};
 use crate::key::Streams;
 use crate::kinds::navigation::lower::Lowered;
 use crate::kinds::navigation::{Inputs, Navigation, Point, Solution};
@@ -62,13 +62,13 @@ pub fn lgk_400() -> Noise {
 }
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
+pub fn loads() -> Vec<Workload> {
     let load = |(name, solution, noise, duration_s): (&'static str, Solution, Noise, f64)| {
         let gyros = navigator(solution, noise, duration_s).gyros;
         let navigation = gyros.last().map(|gyro| gyro.navigation.clone());
         let work = navigation.map(|navigation| Work::Records(Arc::new(navigation)));
         let self_test_units = (name == "inertial-everything").then_some(40 * 700);
-        work.map(|work| Load { name, work, self_test_units })
+        work.map(|work| Workload { name, work, self_test_units })
     };
     named_navigators().into_iter().filter_map(load).collect()
 }

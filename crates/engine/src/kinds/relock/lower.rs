@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::key::{Refusal, Streams, shown};
+use crate::key::{Streams, Unrepresentable, shown};
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::plan::identity;
 use crate::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
@@ -64,8 +64,8 @@ impl LoweredRelock {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented; see [`Refusal`].
-    pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, Refusal> {
+    /// The point cannot be represented; see [`Unrepresentable`].
+    pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, Unrepresentable> {
         let inputs = &point.inputs;
         let text = format!("tick_s={:.11e}\n{}", inputs.tick_s, inputs.relock.identity());
         let (id, key) = identity("relock", seed, streams, &text);
@@ -75,7 +75,7 @@ impl LoweredRelock {
         for compensation in Compensation::ALL {
             let sums = (1..=ticks as u32).map(Some).chain([None]);
             let estimates = sums.map(|tick| lowered.estimate(point, compensation, tick));
-            let mut estimates = estimates.collect::<Result<Vec<RelockEstimate>, Refusal>>()?;
+            let mut estimates = estimates.collect::<Result<Vec<RelockEstimate>, Unrepresentable>>()?;
             estimates.chunks_mut(MAX_ESTIMATES).for_each(|some| lowered.set_histograms(some));
             lowered.estimates.extend(estimates);
         }
@@ -89,7 +89,7 @@ impl LoweredRelock {
         point: &RelockPoint,
         compensation: Compensation,
         tick: Option<u32>,
-    ) -> Result<RelockEstimate, Refusal> {
+    ) -> Result<RelockEstimate, Unrepresentable> {
         let relock = &point.inputs.relock;
         let counts = |i: usize| tick.map_or(i < self.ticks, |tick| tick as usize == i + 1);
         let weights: [f64; MAX_TICKS] = core::array::from_fn(|i| if counts(i) { 1.0 } else { 0.0 });
@@ -140,7 +140,7 @@ impl LoweredRelock {
         tick: Option<u32>,
         [words, inputs]: [(f64, f64); 2],
         weights: &[f64],
-    ) -> Result<f64, Refusal> {
+    ) -> Result<f64, Unrepresentable> {
         let (_, whole) = self.fixed.faked(weights);
         let of_angle = self.fixed.representation(weights, whole);
         let most = match compensation {
@@ -166,7 +166,7 @@ impl LoweredRelock {
             shown(inputs.1),
             shown(most)
         );
-        Err(Refusal::new(
+        Err(Unrepresentable::new(
             "relock.initial_detuning",
             found,
             "this is a fault of the program: please report the study",
@@ -275,8 +275,8 @@ pub struct FixedRelock {
 
 impl FixedRelock {
     /// # Errors
-    /// The relock cannot be represented; see [`Refusal`].
-    pub fn new(inputs: &Relock, tick_s: f64) -> Result<FixedRelock, Refusal> {
+    /// The relock cannot be represented; see [`Unrepresentable`].
+    pub fn new(inputs: &Relock, tick_s: f64) -> Result<FixedRelock, Unrepresentable> {
         let Relock { loop_s, curvature, temperature_error, adc_noise, adc_step, .. } = *inputs;
         check_loop(loop_s, tick_s)?;
         let largest = inputs.largest_miss();
@@ -284,7 +284,7 @@ impl FixedRelock {
             let message =
                 "relock.initial_detuning is 0, and so are its errors: there is nothing to relock".to_owned();
             let help = "give an initial detuning, or one of half_wave_error, dac_step and hysteresis";
-            return Err(Refusal { key: "relock.initial_detuning", message, help });
+            return Err(Unrepresentable { key: "relock.initial_detuning", message, help });
         }
         let part = curvature * largest * largest;
         if part >= 1.0 {
@@ -294,7 +294,7 @@ impl FixedRelock {
                 significant(part, 4)
             );
             let help = "make the initial detuning, its errors or the curvature smaller: Z(2) holds for small detunings";
-            return Err(Refusal::new("relock.curvature", found, help));
+            return Err(Unrepresentable::new("relock.curvature", found, help));
         }
         let reach = largest + REACH * adc_noise + adc_step;
         let unit = unit_of_detuning(reach, adc_step)?;
@@ -341,12 +341,12 @@ impl FixedRelock {
             let found = format!("{} counts in half a tick, less than one", shown(0.5 * counts));
             let help =
                 "make relock.bias_frequency or gyro.tick larger, or relock.count_step smaller, 0 for none";
-            return Err(Refusal::new("relock.bias_frequency", found, help));
+            return Err(Unrepresentable::new("relock.bias_frequency", found, help));
         }
         if beat_bits < libm::log2(MIN_COUNT) {
             let found = format!("{} counts in a tick are too many for 32-bit arithmetic", shown(counts));
             let help = "make gyro.tick smaller, or relock.count_step larger, or 0 for none";
-            return Err(Refusal::new("relock.bias_frequency", found, help));
+            return Err(Unrepresentable::new("relock.bias_frequency", found, help));
         }
         let beat = libm::exp2(beat_bits);
         let half_bias = libm::round(0.5 * counts * beat);
@@ -498,9 +498,9 @@ impl FixedRelock {
     }
 }
 
-fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
+fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Unrepresentable> {
     let (found, tick, ticks) = (shown(loop_s), shown(tick_s), loop_s / tick_s);
-    let refuse = |message, help| Err(Refusal { key: "relock.loop_time", message, help });
+    let refuse = |message, help| Err(Unrepresentable { key: "relock.loop_time", message, help });
     if ticks > SLOWEST {
         let message =
             format!("relock.loop_time = {found} s does not settle within the ticks followed, of {tick} s");
@@ -514,14 +514,14 @@ fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
 }
 
 /// The refusal of an error that has too few units relative to the initial detuning.
-fn too_small(key: &'static str, found: f64, largest: f64) -> Refusal {
+fn too_small(key: &'static str, found: f64, largest: f64) -> Unrepresentable {
     let found =
         format!("{} is lost beside detunings of up to {} in 32-bit arithmetic", shown(found), shown(largest));
-    Refusal::new(key, found, "make it larger, or 0; or what is large beside it smaller")
+    Unrepresentable::new(key, found, "make it larger, or 0; or what is large beside it smaller")
 }
 
 /// The unit of detunings up to `largest`: a power of two, or a step of the ADC divided by a power of two.
-fn unit_of_detuning(largest: f64, adc_step: f64) -> Result<f64, Refusal> {
+fn unit_of_detuning(largest: f64, adc_step: f64) -> Result<f64, Unrepresentable> {
     let finest = largest / MAX_DETUNING;
     if adc_step == 0.0 {
         return Ok(libm::exp2(libm::ceil(libm::log2(finest))));
@@ -538,7 +538,12 @@ fn word(x: f64) -> u32 {
 }
 
 /// The word of `units`, which must be at least `least` unless `found` is 0.
-fn word_above(found: f64, units: f64, least: f64, error: impl FnOnce() -> Refusal) -> Result<u32, Refusal> {
+fn word_above(
+    found: f64,
+    units: f64,
+    least: f64,
+    error: impl FnOnce() -> Unrepresentable,
+) -> Result<u32, Unrepresentable> {
     if found == 0.0 || units >= least { Ok(units as u32) } else { Err(error()) }
 }
 

@@ -6,9 +6,9 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Law, Source, Text};
+use crate::chart::{Law, Source, TableSchema, Text};
 use crate::key::sweep::{self, Setting, Swept};
-use crate::key::{Holds, Key, Reading, keys, measure, unlimited, words};
+use crate::key::{Key, ParseContext, ValueType, keys, measure, unlimited, words};
 use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::kinds::{self, TICK};
@@ -16,7 +16,7 @@ use crate::sampling::batches::{Work, estimates};
 use crate::sampling::{self, Found, Planned, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Store};
-use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use crate::tally::Id;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
@@ -61,7 +61,7 @@ keys! {
     /// The table of the tick, the only property of the gyro that a relock uses.
     static GYRO_KEYS;
     /// The gyro.
-    GYRO = "gyro", "", Fixed, Holds::Table, "[gyro]\ntick = \"5 ms\"";
+    GYRO = "gyro", "", Fixed, ValueType::Table, "[gyro]\ntick = \"5 ms\"";
 }
 
 static SETTINGS: [Setting<RelockInputs>; 1] =
@@ -78,7 +78,7 @@ fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-fn read(reading: &mut Reading) -> Result<RelockStudy, Wrong> {
+fn read(reading: &mut ParseContext) -> Result<RelockStudy, Wrong> {
     let mut inputs = RelockInputs { tick_s: 0.0, relock: read_loop(reading)? };
     reading.set(&mut inputs, &SETTINGS)?;
     let points = sweep::points(reading.sweeps).map(|swept| {
@@ -195,21 +195,21 @@ impl Relock {
     }
 }
 
-const MISSES: Holds = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, in fractions of the wavelength");
-const DETUNINGS: Holds = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, in fractions of the wavelength");
-const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s");
-const BIASES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e9, "0.001 Hz to 1e9 Hz");
-const PULSES: Holds = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
-const CURVATURES: Holds = measure(&[Dimension::Ratio], 1e-6, 1e9, "1e-6 to 1e9");
-const RATIOS: Holds = measure(&[Dimension::Ratio], 0.0, 0.05, "0 to 0.05, or 0 % to 5 %");
-const COUNTS: Holds = measure(&[Dimension::Ratio], 0.0, 1e6, "0 to 1e6 periods");
+const MISSES: ValueType = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, in fractions of the wavelength");
+const DETUNINGS: ValueType = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, in fractions of the wavelength");
+const TIMES: ValueType = measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s");
+const BIASES: ValueType = measure(&[Dimension::Frequency], 1e-3, 1e9, "0.001 Hz to 1e9 Hz");
+const PULSES: ValueType = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
+const CURVATURES: ValueType = measure(&[Dimension::Ratio], 1e-6, 1e9, "1e-6 to 1e9");
+const RATIOS: ValueType = measure(&[Dimension::Ratio], 0.0, 0.05, "0 to 0.05, or 0 % to 5 %");
+const COUNTS: ValueType = measure(&[Dimension::Ratio], 0.0, 1e6, "0 to 1e6 periods");
 
 keys! {
     /// The keys of the loop.
     pub(crate) static KEYS;
     /// The path-length control loop after a mode switch: its initial detuning, and the measurements made while it settles.
     /// Detunings are fractions of the wavelength, without unit; absent values are 0.
-    pub RELOCK_TABLE = "relock", "", Fixed, Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
+    pub RELOCK_TABLE = "relock", "", Fixed, ValueType::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
     /// Detuning Δλ0 left by a switch: 0.05.
     MISS = "relock.initial_detuning", "initial detuning Δλ0", Choice, MISSES, "initial_detuning = 0.05", required;
     /// Error of the half-wave voltage U_λ/2: standard deviation of the initial detuning, normally distributed.
@@ -236,9 +236,9 @@ keys! {
     /// 1 if absent.
     COUNT_STEP = "relock.count_step", "step of the count", Choice, COUNTS, "count_step = 1";
     /// Number of ticks followed after the loop closes, 1 to 8; 4 if absent.
-    TICKS = "relock.ticks", "", Fixed, Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";
+    TICKS = "relock.ticks", "", Fixed, ValueType::Whole(1, MAX_TICKS as i64), "ticks = 4";
     /// Half-period of the bias with which a tick begins; the negative one if absent.
-    FIRST_HALF = "relock.first_half", "", Fixed, Holds::Word(FirstHalf::WORDS), r#"first_half = "negative""#;
+    FIRST_HALF = "relock.first_half", "", Fixed, ValueType::Word(FirstHalf::WORDS), r#"first_half = "negative""#;
 }
 
 keys! {
@@ -268,7 +268,7 @@ pub(crate) static LOOP_SETTINGS: [Setting<Relock>; 12] = [
 const PAPER_TICKS: u32 = 4;
 
 /// Reads the relock.
-pub(crate) fn read_loop(reading: &mut Reading) -> Result<Relock, Fault> {
+pub(crate) fn read_loop(reading: &mut ParseContext) -> Result<Relock, Fault> {
     let first_half = FirstHalf::of(reading.get(&FIRST_HALF));
     let mut relock = Relock { count_step: 1.0, ticks: PAPER_TICKS, first_half, ..Relock::default() };
     reading.set(&mut relock, &LOOP_SETTINGS)?;
@@ -334,13 +334,13 @@ impl Subject for RelockStudy {
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let RelockPoint { swept, inputs } = self.points.get(point)?;
         let (parts, relocks) = study::points(&inputs.relock, &PARTS);
         let of =
             |relock| RelockPoint { swept: swept.clone(), inputs: RelockInputs { relock, ..inputs.clone() } };
         let points = relocks.into_iter().map(of).collect();
-        Some(Dissected { parts, subject: Arc::new(RelockStudy { points, ..self.clone() }) })
+        Some(Ablation { parts, subject: Arc::new(RelockStudy { points, ..self.clone() }) })
     }
 
     fn bytes(&self) -> u64 {
@@ -348,14 +348,14 @@ impl Subject for RelockStudy {
         ROW * (self.points.len() * Compensation::ALL.len()) as u64 * ticks
     }
 
-    fn grounds(&self) -> Vec<Ground> {
+    fn grounds(&self) -> Vec<TableSchema> {
         let compensations = Text::of(Compensation::ALL.map(Compensation::name));
         let ticks = (1..=self.inputs.relock.ticks).map(|tick| tick.to_string()).chain([ALL_TICKS.to_owned()]);
         let ticks = Text { whole: Some(ALL_TICKS), ..Text::of(ticks) };
         let columns = abouts(&columns());
-        vec![Ground {
+        vec![TableSchema {
             laws: &[Law::ZeemanTables],
-            ..Ground::of(Source::Points, columns, [compensations, ticks], &[Dimension::Angle])
+            ..TableSchema::of(Source::Points, columns, [compensations, ticks], &[Dimension::Angle])
         }]
     }
 }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Source};
+use crate::chart::{Source, TableSchema};
 use crate::key::sweep::{self, Setting, Swept};
-use crate::key::{Holds, Key, Reading, keys, measure};
-use crate::kinds::plan::{Exact, table};
+use crate::key::{Key, ParseContext, ValueType, keys, measure};
+use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use crate::sampling::Planned;
 use crate::study::{Kind, Study, Subject};
@@ -44,11 +44,11 @@ keys! {
     /// The keys of the suspension.
     static KEYS;
     /// The suspension of a gyro, given by the name of a known one or by its modes.
-    SUSPENSION_TABLE = "suspension", "", Fixed, Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
+    SUSPENSION_TABLE = "suspension", "", Fixed, ValueType::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
     /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
     GYRO = "suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
     /// Modes of the suspension instead of a name, second-order resonances with the useful one first.
-    MODES = "suspension.modes", "", Fixed, Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    MODES = "suspension.modes", "", Fixed, ValueType::List(&ValueType::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
     MODE_FREQUENCY = "suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
@@ -60,7 +60,7 @@ keys! {
     FREQUENCY = "suspension.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "380 Hz""#;
 }
 
-const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");
+const FREQUENCIES: ValueType = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");
 
 const OF_SUSPENSION: SuspensionKeys = SuspensionKeys {
     table: &SUSPENSION_TABLE,
@@ -83,7 +83,7 @@ fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
+fn read(reading: &mut ParseContext) -> Result<SuspensionStudy, Wrong> {
     reading.note(&[&SUSPENSION_TABLE]);
     let suspension = OF_SUSPENSION.read(reading)?;
     let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
@@ -122,13 +122,13 @@ pub(crate) static SUSPENSION: Kind = Kind {
 impl Subject for SuspensionStudy {
     fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
         let table = table(&study.sweeps, &columns(), &self.points, |point| &point.swept);
-        Ok(Some(Box::new(Exact(table))))
+        Ok(Some(Box::new(ClosedFormPlan(table))))
     }
 
-    fn grounds(&self) -> Vec<Ground> {
-        vec![Ground {
+    fn grounds(&self) -> Vec<TableSchema> {
+        vec![TableSchema {
             legend: ["", ""],
-            ..Ground::of(Source::Points, abouts(&columns()), [], &[Dimension::RatePerAcceleration])
+            ..TableSchema::of(Source::Points, abouts(&columns()), [], &[Dimension::RatePerAcceleration])
         }]
     }
 }

@@ -7,12 +7,12 @@ pub mod verify;
 
 use std::sync::Arc;
 
-use crate::chart::{Ground, Source, Text};
+use crate::chart::{Source, TableSchema, Text};
 use crate::drift::{self, DRIFT, Drift, END, End, RESIDUAL_MAX, Schedule};
 use crate::filler::Filler;
 use crate::filler::read::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
-use crate::key::document::{Given, Places};
-use crate::key::{Holds, Key, Reading, keys, sweep, unlimited, words};
+use crate::key::document::{SpanMap, SpannedValue};
+use crate::key::{Key, ParseContext, ValueType, keys, sweep, unlimited, words};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock;
@@ -22,7 +22,7 @@ use crate::kinds::switched_run::run::MAX_SHOWN;
 use crate::motion::keys::MOTION;
 use crate::noise::NOISE;
 use crate::sampling::Planned;
-use crate::study::{self, Dissected, Kind, Part, ROW, Study, Subject};
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
@@ -57,14 +57,14 @@ keys! {
     /// The keys specific to this kind.
     static KEYS;
     /// Sign of the magnetic drift in the first interval; positive if absent.
-    FIRST_MODE = "switching.first_mode", "", Fixed, Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
+    FIRST_MODE = "switching.first_mode", "", Fixed, ValueType::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
     /// Phase of the motion at the switches; random if absent. If the motion has a fixed phase, every switch has that
     /// phase.
-    TIMING = "switching.timing", "", Fixed, Holds::Word(Timing::WORDS), r#"timing = "random""#;
+    TIMING = "switching.timing", "", Fixed, ValueType::Word(Timing::WORDS), r#"timing = "random""#;
     /// Times at which the angle is estimated in addition to the end: ["10 min", "30 min"].
-    pub TIMES = "run.times", "", Fixed, Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
+    pub TIMES = "run.times", "", Fixed, ValueType::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
     /// Number of runs that are kept as trajectories; none if absent.
-    TRAJECTORIES = "run.trajectories", "", Fixed, Holds::Whole(0, 1000), "trajectories = 20";
+    TRAJECTORIES = "run.trajectories", "", Fixed, ValueType::Whole(0, 1000), "trajectories = 20";
 }
 
 /// The part of a study that is specific to whole runs.
@@ -134,7 +134,7 @@ pub fn sweepable() -> Vec<&'static Key> {
 }
 
 /// Reads the part of a study that belongs to this kind.
-fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
+fn read(reading: &mut ParseContext) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut schedule, &drift::SCHEDULE_SETTINGS)?;
     schedule.end = End::of(reading.get(&END));
@@ -160,7 +160,7 @@ fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
 }
 
 /// Refuses runs whose angle stays at 0 at every point.
-fn check_moves(points: &[Point], places: &Places) -> Result<(), Fault> {
+fn check_moves(points: &[Point], places: &SpanMap) -> Result<(), Fault> {
     let still = |point: &Point| {
         let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
         point.drift.is_nothing() && !filled && point.relock.is_none()
@@ -174,7 +174,7 @@ fn check_moves(points: &[Point], places: &Places) -> Result<(), Fault> {
 }
 
 /// Reads the switch, where fillers are given.
-fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
+fn read_fill(reading: &mut ParseContext, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
             let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
@@ -231,7 +231,7 @@ fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
 const MAX_TIMES: usize = 100;
 
 /// Reads the times in s, each once.
-fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
+fn read_times(reading: &mut ParseContext) -> Result<Vec<f64>, Fault> {
     reading.note(&[&TIMES]);
     let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };
     let items = list.items();
@@ -240,7 +240,7 @@ fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
         let help = format!("accepted: up to {MAX_TIMES}; trajectories show all of a run");
         return Err(list.fault(message, "too many", help));
     }
-    let time = |given: Given| match given.quantity()? {
+    let time = |given: SpannedValue| match given.quantity()? {
         time if time.value > 0.0 => Ok((time.to_string(), time.value)),
         time => {
             Err(given.fault(format!("run.times lists {time}"), "not above 0", "give times after the start"))
@@ -283,9 +283,9 @@ impl Subject for SwitchedRun {
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
-    fn dissected(&self, point: usize) -> Option<Dissected> {
+    fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
-        Some(Dissected { parts, subject: Arc::new(SwitchedRun { points, trajectories: 0, ..self.clone() }) })
+        Some(Ablation { parts, subject: Arc::new(SwitchedRun { points, trajectories: 0, ..self.clone() }) })
     }
 
     fn only(&self, row: usize) -> Option<(Arc<dyn Subject>, usize)> {
@@ -309,7 +309,7 @@ impl Subject for SwitchedRun {
         fillers * self.points.iter().map(of_point).sum::<u64>()
     }
 
-    fn grounds(&self) -> Vec<Ground> {
+    fn grounds(&self) -> Vec<TableSchema> {
         let fillers = self.fillers();
         let has_fillers = !fillers.is_empty();
         let fillers = || has_fillers.then(|| Text::of(fillers.iter().map(|filler| &filler.name))).into_iter();
@@ -320,13 +320,13 @@ impl Subject for SwitchedRun {
         let limits = &[Dimension::DriftRate, Dimension::Angle];
         let (points, trajectories) =
             (abouts(&run::columns(has_fillers)), abouts(&run::trajectory_columns(has_fillers)));
-        let points = Ground::of(Source::Points, points, fillers().chain([angles]), limits);
-        let trajectories = Ground {
+        let points = TableSchema::of(Source::Points, points, fillers().chain([angles]), limits);
+        let trajectories = TableSchema {
             // Trajectories start at 0, and their angles have both signs.
             is_linear: true,
             absent: (self.trajectories == 0).then_some(none_kept),
             legend: ["single runs", points.legend[1]],
-            ..Ground::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
+            ..TableSchema::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
         };
         vec![points, trajectories]
     }

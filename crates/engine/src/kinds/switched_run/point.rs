@@ -1,9 +1,9 @@
 //! Points of a study of whole runs, each checked as a whole, with the relock of each switch.
 
 use crate::drift::{self, Drift, End, Schedule};
-use crate::key::document::Places;
+use crate::key::document::SpanMap;
 use crate::key::sweep::{self, Sweep, Swept};
-use crate::key::{Holds, Key, Reading, keys};
+use crate::key::{Key, ParseContext, ValueType, keys};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::{self, Compensation, LOOP_SETTINGS as RELOCK_SETTINGS, RELOCK_TABLE, Relock};
 use sagnac_base::quantity::number::significant;
@@ -101,7 +101,7 @@ pub(crate) struct Base<'a> {
     pub(crate) fill: Option<&'a GapFill>,
     pub(crate) relock: Option<Relocking>,
     pub(crate) times: &'a [f64],
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a SpanMap,
     pub(crate) sweeps: &'a [Sweep],
 }
 
@@ -260,7 +260,7 @@ keys! {
     /// The key that a relock study does not have.
     static KEYS;
     /// Compensation of the ticks; "none" if absent. A study of kind = "relock" compares all compensations.
-    COMPENSATION = "relock.compensation", "compensation", Choice, Holds::Word(Compensation::WORDS), r#"compensation = "detuning""#;
+    COMPENSATION = "relock.compensation", "compensation", Choice, ValueType::Word(Compensation::WORDS), r#"compensation = "detuning""#;
 }
 
 /// Every key of a relock in a run.
@@ -280,7 +280,7 @@ fn swept_compensation(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
 }
 
 /// Reads the relock, if there is one.
-pub(crate) fn read(reading: &mut Reading, fill: Option<&GapFill>) -> Result<Option<Relocking>, Fault> {
+pub(crate) fn read(reading: &mut ParseContext, fill: Option<&GapFill>) -> Result<Option<Relocking>, Fault> {
     let Some(table) = reading.get(&RELOCK_TABLE) else {
         let of_relock = |name: &str| sweepable().any(|key| key.name == name);
         return reading.sweeps.iter().find(|sweep| of_relock(sweep.key.name)).map_or(Ok(None), |sweep| {

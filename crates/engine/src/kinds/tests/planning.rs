@@ -24,7 +24,7 @@ fn study(noise: &str, to: &str) -> Study {
     Study::parse("many.toml", &text).unwrap_or_else(|error| panic!("{}", error.render(false, 100)))
 }
 
-fn lowered(asked: &GapFill, study: &Study, place: usize) -> Result<Lowered, crate::key::Refusal> {
+fn lowered(asked: &GapFill, study: &Study, place: usize) -> Result<Lowered, crate::key::Unrepresentable> {
     Lowered::new(&asked.points[place], &asked.fillers, &asked.errors, study.seed, study.streams)
 }
 

@@ -6,7 +6,7 @@
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
 
-use crate::key::{Refusal, shown};
+use crate::key::{Unrepresentable, shown};
 use crate::kinds::allan::lower::theory::{PhysicalTheory, Theory, check_decay};
 use crate::kinds::allan::lower::{
     DEVIATIONS, Markov, Model, Noise, Records, Sine, WarmUp, impossible, reach,
@@ -54,7 +54,7 @@ impl Fixed {
     ///
     /// # Errors
     /// A part has too few of these units.
-    pub(crate) fn new(model: &Model) -> Result<Fixed, Refusal> {
+    pub(crate) fn new(model: &Model) -> Result<Fixed, Unrepresentable> {
         check_decay(model.noise.markov)?;
         let whole = libm::fmax(model.whole(Difference::Second), model.whole(Difference::Third));
         if !whole.is_finite() {
@@ -63,7 +63,7 @@ impl Fixed {
         }
         if whole == 0.0 {
             let help = "give at least one noise that is not 0";
-            return Err(Refusal::new("noise", "all of it is 0, and there is no readout", help));
+            return Err(Unrepresentable::new("noise", "all of it is 0, and there is no readout", help));
         }
         let finest = libm::floor(libm::log2(whole / LIMIT as f64));
         let fixed = match model.readout_lsb > 0.0 {
@@ -91,7 +91,7 @@ impl Fixed {
                 significant(unit_arcsec, 3)
             );
             let help = "leave readout_lsb out if pulses as fine as this change nothing; or take a shorter record";
-            Refusal::new("noise.readout_lsb", found, help)
+            Unrepresentable::new("noise.readout_lsb", found, help)
         })?;
         fixed.check(model, whole)?;
         Ok(fixed)
@@ -365,7 +365,7 @@ impl Records {
         at: usize,
         theory: &Theory,
         physical: &PhysicalTheory,
-    ) -> Result<Option<f64>, Refusal> {
+    ) -> Result<Option<f64>, Unrepresentable> {
         let m = self.ms()[at];
         let Some((words, inputs)) = theory.value.zip(physical.variance(m)) else { return Ok(None) };
         let most = theory.representation + inputs.error;
@@ -380,7 +380,7 @@ impl Records {
                 shown(most)
             );
             let help = "this is a fault of the program: please report the study";
-            return Err(Refusal::new("noise", found, help));
+            return Err(Unrepresentable::new("noise", found, help));
         }
         Ok(sampling::representation(Some(words), Some(inputs.value), most))
     }

@@ -12,7 +12,7 @@ pub mod theory;
 
 use core::f64::consts::PI;
 
-use crate::key::Refusal;
+use crate::key::Unrepresentable;
 use crate::kinds::allan::lower::fixed::Fixed;
 pub use crate::kinds::allan::lower::theory::Theory;
 use crate::kinds::gap_fill::lower::words_of;
@@ -99,8 +99,8 @@ impl Records {
     /// Lowers a noise model.
     ///
     /// # Errors
-    /// The noise model cannot be represented; see [`Refusal`].
-    pub fn new(asked: &Asked) -> Result<Records, Refusal> {
+    /// The noise model cannot be represented; see [`Unrepresentable`].
+    pub fn new(asked: &Asked) -> Result<Records, Unrepresentable> {
         let Asked { samples, estimator, ms, .. } = *asked;
         if !(2..=MAX_SAMPLES).contains(&samples) {
             return Err(too_long(samples));
@@ -108,7 +108,7 @@ impl Records {
         let terms: Vec<u64> = ms.iter().map(|&m| estimator.terms(samples, m)).collect();
         if ms.is_empty() {
             let help = "give at least one averaging time";
-            return Err(Refusal::new("allan.tau", "no averaging time is given", help));
+            return Err(Unrepresentable::new("allan.tau", "no averaging time is given", help));
         }
         if let Some(at) = terms.iter().position(|&terms| terms == 0) {
             let found = format!(
@@ -116,7 +116,7 @@ impl Records {
                 ms[at],
                 estimator.difference.spans()
             );
-            return Err(Refusal::new("allan.tau", found, "leave it out, or take a longer record"));
+            return Err(Unrepresentable::new("allan.tau", found, "leave it out, or take a longer record"));
         }
         let model = Model::new(asked)?;
         let fixed = Fixed::new(&model)?;
@@ -321,7 +321,7 @@ pub(crate) struct WarmUp {
 }
 
 impl Model {
-    pub(crate) fn new(asked: &Asked) -> Result<Model, Refusal> {
+    pub(crate) fn new(asked: &Asked) -> Result<Model, Unrepresentable> {
         let t0 = at_least("record.sample", "a sample of", asked.process.sample_s, f64::MIN_POSITIVE)?;
         let readout_lsb = at_least("noise.readout_lsb", "a pulse of", asked.readout_lsb, 0.0)?;
         let mean_rate = at_least("record.rate", "a rate of", asked.mean_rate, f64::MIN)?;
@@ -355,11 +355,13 @@ impl Model {
     }
 
     /// Adds the source of noise given by the key `key`.
-    fn add(&mut self, key: &'static str, source: Source) -> Result<(), Refusal> {
+    fn add(&mut self, key: &'static str, source: Source) -> Result<(), Unrepresentable> {
         let noise = &mut self.noise;
         let join = |into: &mut f64, sigma: f64| *into = libm::hypot(*into, sigma);
         let only = |is_second: bool| match is_second {
-            true => Err(Refusal::new(key, "a record has at most one of them", "leave one of them out")),
+            true => {
+                Err(Unrepresentable::new(key, "a record has at most one of them", "leave one of them out"))
+            }
             false => Ok(()),
         };
         match source {
@@ -428,12 +430,12 @@ pub(crate) fn reach(difference: Difference) -> f64 {
 }
 
 /// Checks that the switching is possible in a record.
-fn checked(switching: Switching, samples: u64) -> Result<Switching, Refusal> {
+fn checked(switching: Switching, samples: u64) -> Result<Switching, Unrepresentable> {
     let Switching { interval, magnetic, residual, residual_noise } = switching;
     if !(1..samples).contains(&interval) {
         let found = format_args!("switches {interval} samples apart in a record of {samples}");
         let help = "switch at least once in the record, after one sample or more";
-        return Err(Refusal::new("noise.switching.interval", found, help));
+        return Err(Unrepresentable::new("noise.switching.interval", found, help));
     }
     at_least("noise.switching.magnetic", "a drift of", magnetic.amplitude, f64::MIN)?;
     at_least("noise.switching.initial_magnetic", "a drift of", magnetic.initial, f64::MIN)?;
@@ -444,19 +446,19 @@ fn checked(switching: Switching, samples: u64) -> Result<Switching, Refusal> {
 }
 
 /// The refusal of a meaningless value: negative, or not finite.
-pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Refusal {
+pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Unrepresentable {
     let help = "give a finite number that is not negative, and times, frequencies and samples above 0";
-    Refusal::new(key, format_args!("{what} {found} is not possible"), help)
+    Unrepresentable::new(key, format_args!("{what} {found} is not possible"), help)
 }
 
 /// The refusal of a record of one sample, or of more than 2^26.
-fn too_long(samples: u64) -> Refusal {
+fn too_long(samples: u64) -> Unrepresentable {
     let found = format_args!("{samples} samples; a record has 2 to {MAX_SAMPLES}");
-    Refusal::new("record.length", found, "take a shorter record, or a longer sample")
+    Unrepresentable::new("record.length", found, "take a shorter record, or a longer sample")
 }
 
 /// A finite number that is at least `least`.
-fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, Refusal> {
+fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, Unrepresentable> {
     match found.is_finite() && found >= least {
         true => Ok(found),
         false => Err(impossible(key, what, found)),

@@ -11,7 +11,7 @@
 //! G(k)·e^{−λk} over ramp, warm-ups and the alternating drift, where G has the period of two intervals between switches:
 //! the mean of their square is a geometric sum for each residue of k.
 
-use crate::key::{Refusal, Streams, shown};
+use crate::key::{Streams, Unrepresentable, shown};
 use crate::kinds::allan::lower::fixed::{self, Fixed, SIGMA_UNITS, TURN, loss};
 use crate::kinds::allan::lower::{Asked, Markov, Model, Noise, Records, Sine, reach};
 use crate::kinds::allan::{Inputs as RecordInputs, Point, Point as RecordPoint};
@@ -328,13 +328,13 @@ impl LoweredCurve {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented; see [`Refusal`].
+    /// The point cannot be represented; see [`Unrepresentable`].
     pub fn new(
         point: &RecordPoint,
         estimator: Estimator,
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredCurve, Refusal> {
+    ) -> Result<LoweredCurve, Unrepresentable> {
         let inputs = &point.inputs;
         let (id, key) = identity("allan", seed, streams, &canonical(inputs));
         let samples = inputs.samples();
@@ -387,7 +387,7 @@ const MIN_TREND: f64 = 128.0;
 const MIN_TURN: f64 = 64.0;
 
 /// Refuses a correlation so long that what the rate loses in a sample has too few units, whatever the unit of angle.
-pub(crate) fn check_decay(markov: Option<Markov>) -> Result<(), Refusal> {
+pub(crate) fn check_decay(markov: Option<Markov>) -> Result<(), Unrepresentable> {
     let Some(Markov { decay, .. }) = markov.filter(|markov| loss(markov.decay) < MIN_UNITS) else {
         return Ok(());
     };
@@ -395,13 +395,13 @@ pub(crate) fn check_decay(markov: Option<Markov>) -> Result<(), Refusal> {
         "a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
         shown(1.0 / decay)
     );
-    Err(Refusal::new("noise.markov", found, "take a rate random walk in its place"))
+    Err(Unrepresentable::new("noise.markov", found, "take a rate random walk in its place"))
 }
 
 impl Fixed {
     /// Refuses the first part that is too small next to `whole`, the largest difference of the angle, ″. The message states their
     /// ratio, without a unit, because the record of an accelerometer is simulated in µg·s instead.
-    pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Refusal> {
+    pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Unrepresentable> {
         let Model { noise, .. } = model;
         let check = |key, what: &str, found: f64, units: f64, least: f64| {
             if found == 0.0 || units >= least {
@@ -413,7 +413,7 @@ impl Fixed {
                 significant(whole / libm::fabs(found), 3)
             );
             let help = "make it larger, or 0; or what is large beside it smaller, or the record shorter";
-            Err(Refusal::new(key, lost, help))
+            Err(Unrepresentable::new(key, lost, help))
         };
         let sigma = |key, what, found, word: u32| check(key, what, found, word.into(), MIN_UNITS);
         let (key, what) = ("noise.quantization", "quantization noise");
@@ -436,7 +436,7 @@ impl Fixed {
                     significant(turns, 12)
                 );
                 let help = "take another frequency, or a rate ramp in its place";
-                return Err(Refusal::new("noise.sine", found, help));
+                return Err(Unrepresentable::new("noise.sine", found, help));
             }
             sigma("noise.sine", "a sine", amplitude, word)?;
         }

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::filler::read::Error;
 use crate::filler::{Filler, Method, Target};
-use crate::key::{Refusal, shown};
+use crate::key::{Unrepresentable, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, Rounded, ToneKind};
 use crate::kinds::gap_fill::lower::physical_theory::Boundaries;
@@ -337,7 +337,7 @@ fn polynomials(gap_ticks: u32) -> Arc<[Weights]> {
 ///
 /// # Errors
 /// Noise, motion or pulses have too few units.
-pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
+pub(crate) fn lsb(physical: &Physical) -> Result<f64, Unrepresentable> {
     let sizes = physical.tick_sizes();
     let whole = sizes.iter().map(|(_, size)| size).sum::<f64>()
         + physical.constant_size()
@@ -375,7 +375,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
                 significant(unit_arcsec, 3)
             );
             let help = "leave readout_lsb out: pulses as fine as this have no effect";
-            return Err(Refusal::new("gyro.readout_lsb", found, help));
+            return Err(Unrepresentable::new("gyro.readout_lsb", found, help));
         }
         lsb = physical.readout_lsb / libm::exp2(steps.min(f64::from(FINEST)));
     }
@@ -390,7 +390,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
     let sigma_arcsec = physical.sigma_arcsec;
     if sigma_arcsec > 0.0 && libm::round(sigma_arcsec / lsb * SIGMA_UNITS) < MIN_SIGMA {
         let found = format!("{}″ of noise per tick {lost}", shown(sigma_arcsec));
-        return Err(Refusal::new("gyro.tick_noise", found, "make the noise larger, or 0"));
+        return Err(Unrepresentable::new("gyro.tick_noise", found, "make the noise larger, or 0"));
     }
     for (key, tick_arcsec) in sizes {
         if tick_arcsec > 0.0 && tick_arcsec / lsb < MIN_MOTION {
@@ -399,7 +399,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
                 false => "make the motion larger, or 0; or the noise smaller, or the gap shorter",
             };
             let found = format!("{}″ of motion per tick {lost}", shown(tick_arcsec));
-            return Err(Refusal::new(key, found, help));
+            return Err(Unrepresentable::new(key, found, help));
         }
     }
     Ok(lsb)
@@ -430,13 +430,13 @@ static EXACT: Memo<Asked, Option<Arc<Rows>>> = Memo::new(128);
 
 /// The refusal of motion without noise that is determined by fewer ticks than the filler reads, so that many weights
 /// would be equally good.
-pub(crate) fn singular_covariance(filler: &str, sigma_arcsec: f64) -> Refusal {
+pub(crate) fn singular_covariance(filler: &str, sigma_arcsec: f64) -> Unrepresentable {
     let found = format!(
         "the covariance of the ticks of `{filler}` is singular, a noise of {}″ is too small beside the motion to choose weights by",
         shown(sigma_arcsec)
     );
     let help = "give the noise that the gyro really has, fewer fit ticks, or a wider band to design for";
-    Refusal::new("gyro.tick_noise", found, help)
+    Unrepresentable::new("gyro.tick_noise", found, help)
 }
 
 impl Rows {
@@ -449,7 +449,7 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Rows>, Refusal> {
+    ) -> Result<Option<Rows>, Unrepresentable> {
         let n = statistics.inputs.gap_ticks;
         let lengths = if error == Error::InGap { 1..=n } else { n..=n };
         Rows::over(lengths, filler, error, ticks, statistics)
@@ -464,7 +464,7 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Arc<Rows>>, Refusal> {
+    ) -> Result<Option<Arc<Rows>>, Unrepresentable> {
         let compute = || Rows::of(filler, error, ticks, statistics).map(|rows| rows.map(Arc::new));
         let Method::Closed(closed) = &filler.method else { return compute() };
         // What differs most comes first, as it is compared with that of all known ones.
@@ -487,7 +487,7 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Rows>, Refusal> {
+    ) -> Result<Option<Rows>, Unrepresentable> {
         let Some(mut rows) = Rows::over(1..=statistics.inputs.gap_ticks, filler, error, ticks, statistics)?
         else {
             return Ok(None);
@@ -507,14 +507,14 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Rows>, Refusal> {
+    ) -> Result<Option<Rows>, Unrepresentable> {
         match &filler.method {
             Method::Closed(closed) => {
                 let rows = lengths.map(|length| (closed.weights)(ticks, length));
                 let singular = || {
                     let found =
                         format!("`{}` does not determine its polynomial from ticks {ticks:?}", filler.name);
-                    Refusal::new("switching.fillers", found, "give it more ticks, or a lower order")
+                    Unrepresentable::new("switching.fillers", found, "give it more ticks, or a lower order")
                 };
                 let rows = rows.collect::<Option<Vec<Weights>>>().ok_or_else(singular)?;
                 Ok(Some(exact(ticks, rows)))
@@ -529,7 +529,7 @@ impl Rows {
                         let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < MAX_WEIGHT);
                         Ok((length, weights.filter(bounded).ok_or_else(singular)?))
                     })
-                    .collect::<Result<Vec<_>, Refusal>>()?;
+                    .collect::<Result<Vec<_>, Unrepresentable>>()?;
                 Ok(Some(nearest(ticks, &rows)))
             }
             Method::Weights { residual, extrapolation } => {

@@ -33,7 +33,7 @@ use std::sync::Arc;
 
 use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::{Refusal, Streams};
+use crate::key::{Streams, Unrepresentable};
 use crate::kinds::gap_fill::inputs::{Designed, Point};
 use crate::kinds::gap_fill::lower::fixed::{
     ANGLE_UNITS, CONSTANT_UNITS, DEFAULT_SIDES, Fixed, FixedTone, PEAK_UNITS, RAYLEIGH_UNIT, SIGMA_UNITS,
@@ -68,14 +68,14 @@ impl Lowered {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented; see [`Refusal`].
+    /// The point cannot be represented; see [`Unrepresentable`].
     pub fn new(
         point: &Point,
         fillers: &[Filler],
         errors: &[Error],
         seed: u64,
         streams: Streams,
-    ) -> Result<Lowered, Refusal> {
+    ) -> Result<Lowered, Unrepresentable> {
         Lowered::of(point, fillers.iter().zip(point.fills.iter()), errors, seed, streams)
     }
 
@@ -86,7 +86,7 @@ impl Lowered {
         errors: &[Error],
         seed: u64,
         streams: Streams,
-    ) -> Result<Lowered, Refusal> {
+    ) -> Result<Lowered, Unrepresentable> {
         let sides = point.sides();
         let physical = Physical::of(&point.inputs, sides.max(DEFAULT_SIDES))?;
         let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
@@ -106,7 +106,7 @@ impl Lowered {
             }
             Ok(estimates)
         };
-        let fillers = fillers.map(estimates).collect::<Result<Vec<_>, Refusal>>()?;
+        let fillers = fillers.map(estimates).collect::<Result<Vec<_>, Unrepresentable>>()?;
         Ok(Lowered { id, key, fixed, fillers })
     }
 
@@ -367,7 +367,7 @@ impl Estimate {
         fractions: &Fractions,
         rows: Arc<Rows>,
         designed: Designed,
-    ) -> Result<Estimate, Refusal> {
+    ) -> Result<Estimate, Unrepresentable> {
         let fixed = fractions.fixed;
         let scale = rows.denominator as f64;
         let sigma = fixed.sigma_lsb();
@@ -401,7 +401,7 @@ impl Estimate {
                 "the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than its 64-bit sum can hold"
             );
             let help = "leave the filler out, move its ticks nearer to the gap, or shorten the gap";
-            return Err(Refusal::new("switching.fillers", found, help));
+            return Err(Unrepresentable::new("switching.fillers", found, help));
         }
         let shift = libm::ceil(libm::log2((bound + 1.0) / (LIMIT as f64 - 1.0))).max(0.0);
         let (shift, unit) = (shift as u32, libm::exp2(shift));

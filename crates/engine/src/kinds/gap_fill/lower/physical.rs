@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::sync::{Arc, Weak};
 
 use crate::filler::read::Error;
-use crate::key::Refusal;
+use crate::key::Unrepresentable;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::fixed::FixedProfile;
 use crate::kinds::gap_fill::lower::readout::{self, Functional, Response};
@@ -82,7 +82,7 @@ pub(crate) struct PhysicalProfile {
 
 impl Physical {
     /// The canonical inputs, with the Gaussian motion of that number of ticks on either side of the gap.
-    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Refusal> {
+    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Unrepresentable> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
         // Where one frequency is drawn, the kernel draws all of them, a fixed one from a band of zero width.
@@ -140,7 +140,7 @@ impl Physical {
             if count + before > MAX_PROFILE_TICKS {
                 let count = count + before;
                 let found = format!("the record `{file}` has {count} ticks, more than {MAX_PROFILE_TICKS}");
-                return Err(Refusal::new("motion.profile", found, "cut the record, or take a longer tick"));
+                return Err(Unrepresentable::new("motion.profile", found, "cut the record, or take a longer tick"));
             }
             let needed = 2 * MARGIN + inputs.gap_ticks as usize;
             let Some(rest) = count.checked_sub(needed) else {
@@ -155,7 +155,7 @@ impl Physical {
                 let found = format!(
                     "{of} `{file}` has {count} whole ticks, too few for a gap of {gap_ticks} with {MARGIN} ticks on either side"
                 );
-                return Err(Refusal::new("motion.profile", found, help));
+                return Err(Unrepresentable::new("motion.profile", found, help));
             };
             let replay = profile.replay(tick_s);
             Ok(PhysicalProfile { replay, every: profile.position == Position::Every, positions: rest + 1 })

@@ -18,7 +18,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use crate::key::sweep::Setting;
-use crate::key::{Key, Reading, Refusal, Streams, shown};
+use crate::key::{Key, ParseContext, Streams, Unrepresentable, shown};
 use crate::kinds::allan::lower::levels;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::lock_in::lower::fixed::Fixed;
@@ -59,8 +59,13 @@ impl Gyros {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented; see [`Refusal`].
-    pub fn new(point: &Point, estimator: Estimator, seed: u64, streams: Streams) -> Result<Gyros, Refusal> {
+    /// The point cannot be represented; see [`Unrepresentable`].
+    pub fn new(
+        point: &Point,
+        estimator: Estimator,
+        seed: u64,
+        streams: Streams,
+    ) -> Result<Gyros, Unrepresentable> {
         let Point { inputs, times, .. } = point;
         let steps = Steps::new(inputs, times)?;
         let motion = inputs.motion.as_ref().map_or(String::new(), |motion| format!("motion={motion:?}\n"));
@@ -280,7 +285,7 @@ impl LoweredTheory {
 
     /// # Errors
     /// N differs from `physical`, that of the inputs, by more than the rounding of words explains.
-    pub(crate) fn check(&self, physical: f64) -> Result<(), Refusal> {
+    pub(crate) fn check(&self, physical: f64) -> Result<(), Unrepresentable> {
         // A difference that is not a number is refused.
         if (self.walk - physical).abs() <= self.bound {
             return Ok(());
@@ -292,7 +297,11 @@ impl LoweredTheory {
             shown(physical),
             shown(self.bound)
         );
-        Err(Refusal::new(THRESHOLD.name, found, "this is a fault of the program: please report the study"))
+        Err(Unrepresentable::new(
+            THRESHOLD.name,
+            found,
+            "this is a fault of the program: please report the study",
+        ))
     }
 }
 
@@ -346,7 +355,7 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    pub(crate) fn new(inputs: &Inputs, times: &Times) -> Result<Steps, Refusal> {
+    pub(crate) fn new(inputs: &Inputs, times: &Times) -> Result<Steps, Unrepresentable> {
         let steps = match &inputs.dither {
             Some(dither) => dithered(inputs, dither, times)?,
             None => undithered(inputs, times)?,
@@ -355,7 +364,7 @@ impl Steps {
         if count > MAX_STEPS {
             let found =
                 format!("the record takes {} steps, and the most are {}", shown(count), shown(MAX_STEPS));
-            return Err(Refusal::new("record.length", found, "take a shorter record"));
+            return Err(Unrepresentable::new("record.length", found, "take a shorter record"));
         }
         Ok(steps)
     }
@@ -366,7 +375,7 @@ impl Steps {
     }
 }
 
-fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Refusal> {
+fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Unrepresentable> {
     let period = dither.frequency_hz * inputs.scale_factor;
     let nominal = dither.rate / period;
     let beats = most_rate(inputs, times) / period;
@@ -390,7 +399,7 @@ fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Re
             () if beats >= theta => (RATE.name, "take a lower input rate, or a higher dither frequency"),
             () => (DITHER_RATE.name, "take a lower dither rate, or a higher dither frequency"),
         };
-        return Err(Refusal::new(key, found, help));
+        return Err(Unrepresentable::new(key, found, help));
     }
     let half = half as u64;
     let step_s = 1.0 / (dither.frequency_hz * (2 * half * ROUND as u64) as f64);
@@ -403,7 +412,7 @@ fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Re
     divided(half, rounds, step_s)
 }
 
-fn undithered(inputs: &Inputs, times: &Times) -> Result<Steps, Refusal> {
+fn undithered(inputs: &Inputs, times: &Times) -> Result<Steps, Unrepresentable> {
     let fastest = libm::fmax(libm::sqrt(most_rate(inputs, times) * inputs.threshold), inputs.threshold);
     let rate = libm::fmax(
         STEPS_PER_TURN * fastest / inputs.scale_factor,
@@ -418,10 +427,10 @@ fn undithered(inputs: &Inputs, times: &Times) -> Result<Steps, Refusal> {
 }
 
 /// Samples of the kernel with whole rounds where the record has them, and few enough rounds.
-fn divided(half: u64, rounds: f64, step_s: f64) -> Result<Steps, Refusal> {
+fn divided(half: u64, rounds: f64, step_s: f64) -> Result<Steps, Unrepresentable> {
     if rounds < 1.0 {
         let found = format!("a sample lasts {} of the shortest part of the integration", shown(rounds));
-        return Err(Refusal::new(SAMPLE.name, found, "take a longer sampling time"));
+        return Err(Unrepresentable::new(SAMPLE.name, found, "take a longer sampling time"));
     }
     let division = libm::ceil(rounds / MAX_ROUNDS as f64);
     Ok(Steps { half, interval: rounds / division, division: division as u64, step_s })
@@ -475,7 +484,7 @@ fn with_tone(inputs: &mut Inputs, set: impl FnOnce(&mut Tone)) {
 }
 
 /// Reads the motion, which is the same in every gyro.
-pub(crate) fn read_motion(reading: &mut Reading) -> Result<Option<Motion>, Wrong> {
+pub(crate) fn read_motion(reading: &mut ParseContext) -> Result<Option<Motion>, Wrong> {
     if reading.get(&MOTION).is_none() {
         return Ok(None);
     }
@@ -517,7 +526,7 @@ fn max_motion_rate(motion: &Motion, tick_s: f64) -> f64 {
 ///
 /// # Errors
 /// A recorded profile is too short.
-pub(crate) fn angles(motion: &Motion, step_s: f64, count: usize) -> Result<Vec<f64>, Refusal> {
+pub(crate) fn angles(motion: &Motion, step_s: f64, count: usize) -> Result<Vec<f64>, Unrepresentable> {
     let of_tone = |tone: &Tone, s: f64| {
         let [rate, nu] = fixed(tone).unwrap_or_default();
         match tone.phase {
@@ -538,7 +547,11 @@ pub(crate) fn angles(motion: &Motion, step_s: f64, count: usize) -> Result<Vec<f
                 shown(profile.record.duration_s()),
                 shown(count as f64 * step_s)
             );
-            return Err(Refusal::new("motion.profile", found, "take a shorter record, or a longer profile"));
+            return Err(Unrepresentable::new(
+                "motion.profile",
+                found,
+                "take a shorter record, or a longer profile",
+            ));
         }
         let mut sum = 0.0;
         for (angle, tick) in angles[1..].iter_mut().zip(ticks) {

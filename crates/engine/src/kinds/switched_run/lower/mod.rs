@@ -7,7 +7,7 @@ pub(crate) mod theory;
 use crate::drift::{End, Schedule};
 use crate::filler::Filler;
 use crate::filler::read::Error;
-use crate::key::{Refusal, Streams};
+use crate::key::{Streams, Unrepresentable};
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words, mask};
 use crate::kinds::gap_fill::lower::physical::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::physical_theory::{PhysicalTheory, Switch};
@@ -120,13 +120,13 @@ impl LoweredRun {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The switch cannot be represented; see [`Refusal`].
+    /// The switch cannot be represented; see [`Unrepresentable`].
     pub fn new(
         point: &RunPoint,
         study: &SwitchedRun,
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredRun, Refusal> {
+    ) -> Result<LoweredRun, Unrepresentable> {
         let (switch, residuals) = residuals(point, study, seed, streams)?;
         let text = canonical(point, study, &switch);
         let (id, key) = identity("switched-run", seed, streams, &text);
@@ -175,12 +175,12 @@ impl LoweredRun {
                 })
             };
             let estimates = study.angles().into_iter().enumerate();
-            let estimates = estimates.map(estimate).collect::<Result<_, Refusal>>()?;
+            let estimates = estimates.map(estimate).collect::<Result<_, Unrepresentable>>()?;
             let shown = exact.as_deref().unwrap_or(&fixed);
             let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
             Ok(FilledRun { key, estimates, trajectory, fixed, exact, residual })
         };
-        let fillers = residuals.into_iter().map(filled).collect::<Result<_, Refusal>>()?;
+        let fillers = residuals.into_iter().map(filled).collect::<Result<_, Unrepresentable>>()?;
         Ok(LoweredRun { id, fillers })
     }
 }
@@ -203,7 +203,7 @@ fn residuals(
     study: &SwitchedRun,
     seed: u64,
     streams: Streams,
-) -> Result<(String, Vec<Switched>), Refusal> {
+) -> Result<(String, Vec<Switched>), Unrepresentable> {
     let Some(fill) = &point.fill else {
         let amplitude_arcsec = point.drift.residual_max;
         let tone = ResidualTone { amplitude_arcsec, tone: 0 };

@@ -7,7 +7,7 @@ use core::f64::consts::{LOG2_E, PI};
 use std::sync::Arc;
 
 use crate::drift::{End, Schedule};
-use crate::key::Refusal;
+use crate::key::Unrepresentable;
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS};
 use crate::kinds::gap_fill::lower::physical_theory::Switch;
 use crate::kinds::relock::lower::{FixedRelock, MAX_LEFT, PILOT, method};
@@ -494,7 +494,7 @@ pub(crate) struct FixedRelocking {
 }
 
 impl FixedRelocking {
-    pub(crate) fn of(point: &RunPoint) -> Result<Option<FixedRelocking>, Refusal> {
+    pub(crate) fn of(point: &RunPoint) -> Result<Option<FixedRelocking>, Unrepresentable> {
         let (Some(Relocking { relock, compensation }), Some(fill)) = (&point.relock, &point.fill) else {
             return Ok(None);
         };
