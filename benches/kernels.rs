@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use divan::counter::ItemsCount;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Trials;
 use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::{Form, KERNELS};
 use sagnac::kinds::gap_fill::verify::Configuration;
-use sagnac::kinds::relock::inputs::Compensation;
+use sagnac::kinds::relock::Compensation;
 use sagnac::kinds::relock::verify::{launches_of, relock};
 use sagnac::kinds::switched_run::verify::hour_launches;
 

@@ -5,7 +5,7 @@
 
 use std::thread;
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::coefficient::Fit;
 use sagnac::fit::covariance::Covariance;
@@ -13,7 +13,7 @@ use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Errors, Fitter};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::realizations::realizations;
+use sagnac::kinds::allan::run::realizations;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;

@@ -1,6 +1,11 @@
 //! Runs a study and prints its table as CSV: `cargo run --release --example run -- studies/smoke.toml`.
 
-use sagnac::{progress::Silent, run::Plan, store::Store, study::Study, tally::share::Share, verify::select};
+use sagnac::progress::Silent;
+use sagnac::run::Plan;
+use sagnac::store::Store;
+use sagnac::study::Study;
+use sagnac::tally::Share;
+use sagnac::verify::select;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "studies/smoke.toml".to_owned());

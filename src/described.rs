@@ -6,10 +6,10 @@ use crate::analysis::{
 use sagnac_base::quantity::unit::bare;
 use sagnac_base::table::About;
 use sagnac_base::table::column::abouts;
-use sagnac_engine::chart::file::Source;
-use sagnac_engine::key::row::Key;
+use sagnac_engine::chart::Source;
+use sagnac_engine::key::Key;
 use sagnac_engine::kinds::{KINDS, switched_run};
-use sagnac_engine::study::kind::Kind;
+use sagnac_engine::study::Kind;
 
 /// A file of results with columns.
 #[derive(Debug, Clone)]
@@ -106,7 +106,7 @@ impl File {
     ///
     /// # Example
     /// ```
-    /// # use sagnac::{chart::file::Source, described::File, kinds::gap_fill::kind::GAP_FILL};
+    /// # use sagnac::{chart::Source, described::File, kinds::gap_fill::GAP_FILL};
     /// let points = File::of_study(&GAP_FILL, Source::Points).unwrap();
     /// assert!(points.column("rms_arcsec").unwrap().starts_with("Root mean square"));
     /// assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));

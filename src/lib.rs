@@ -12,7 +12,7 @@
 //! use sagnac::run::Plan;
 //! use sagnac::store::Store;
 //! use sagnac::study::Study;
-//! use sagnac::tally::share::Share;
+//! use sagnac::tally::Share;
 //!
 //! let study = Study::parse("gap.toml", r#"
 //!     title = "A gap of three ticks"
@@ -48,8 +48,8 @@
 //! | name | purpose |
 //! |---|---|
 //! | [`Study`](study::Study) | a study: text, checked and expanded into points |
-//! | [`Plan`](run::Plan), [`Done`](run::Done), [`Tables`](run::Tables) | the plan of a study, the work done by a run, and its tables |
-//! | [`Store`](store::Store), [`Source`](store::source::Source), [`Share`](tally::share::Share) | results folders, and shares of a study |
+//! | [`Plan`](run::Plan), [`RunStats`](run::RunStats), [`Tables`](run::Tables) | the plan of a study, the work done by a run, and its tables |
+//! | [`Store`](store::Store), [`Source`](store::source::Source), [`Share`](tally::Share) | results folders, and shares of a study |
 //! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | progress of a run, and a way to stop it |
 //! | [`select`](verify::select), [`verify`](verify::verify) | the choice of a device, and the check of its bits |
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |

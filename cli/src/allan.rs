@@ -17,7 +17,7 @@ use sagnac::analysis::log::{Suppose, navigators, report};
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::whole::{Asked, Whole};
 use sagnac::analysis::{log, whole};
-use sagnac::kinds::allan::realizations::MIN_REALIZATIONS;
+use sagnac::kinds::allan::run::MIN_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::reading::Reading;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::requirement::{Limit, LimitError, Limited, applies, check};
-use sagnac::key::renamed::note;
+use sagnac::key::docs::note;
 use sagnac::record::log::channel::Log;
 
 /// Reads a limit on a log.

@@ -8,12 +8,11 @@ use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
 use sagnac::source::text_file::read_bytes;
 use sagnac::store::FILE as DATABASE;
-use sagnac::store::check::Report;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::{Difference, Folder};
-use sagnac::store::source::Source;
+use sagnac::store::source::{Report, Source};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use crate::failure::{self, Failure};
 use crate::folders;

@@ -14,7 +14,7 @@ use sagnac::analysis::log;
 use sagnac::analysis::log::Asked;
 use sagnac::analysis::page::{of_batch, of_comparison};
 use sagnac::analysis::requirement::{Limit, LimitError};
-use sagnac::key::renamed::note;
+use sagnac::key::docs::note;
 use sagnac::progress::Silent;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;

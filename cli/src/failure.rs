@@ -10,7 +10,7 @@ use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::whole::WholeError;
-use sagnac::device::error::GpuError;
+use sagnac::device::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::error::RecordError;
 use sagnac::run::{RESOLVED, RunError};
@@ -18,7 +18,7 @@ use sagnac::source::diagnose::StudyError;
 use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use crate::look;
 use crate::output::say;

@@ -10,9 +10,10 @@ use crate::program::command;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
-use sagnac::kinds::{KINDS, keys};
+use sagnac::kinds;
+use sagnac::kinds::KINDS;
 use sagnac::store::folder::{Folder, write_new};
-use sagnac::study::kind::Kind;
+use sagnac::study::Kind;
 
 const NEW_EXAMPLES: &str = "\
 Examples:
@@ -71,7 +72,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
         include_str!("../../schema/document.schema.json").to_owned()
     }
     one_of::<_, fn() -> String, 11>([
-        ("study", keys::schema),
+        ("study", kinds::schema),
         ("run", document),
         ("merge", document),
         ("design", document),

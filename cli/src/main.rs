@@ -46,7 +46,7 @@ use std::path::Path;
 
 fn main() -> std::process::ExitCode {
     without_session();
-    sagnac::device::gpu::patience::on_wait(|sentence| say!("{sentence}"));
+    sagnac::device::gpu::adapter::on_wait(|sentence| say!("{sentence}"));
     program::main()
 }
 

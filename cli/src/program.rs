@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
 use sagnac::device::select::Selection;
-use sagnac::key::renamed::note;
+use sagnac::key::docs::note;
 use sagnac::quantity::visible::visible;
 use sagnac::verify::select;
 

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 
-use sagnac::key::renamed::{note, present};
+use sagnac::key::docs::{note, present};
 
 /// Options whose values are names of columns, or of what has a limit, by themselves or before an equals sign.
 const OF_NAMES: [&str; 8] = ["--by", "--limit", "--of", "--series", "--where", "--x", "--y", "--z"];

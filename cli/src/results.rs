@@ -15,14 +15,14 @@ use sagnac::quantity::number::significant;
 use sagnac::report::chart::notes::ChartError;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::{Provenance, json};
-use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac::store;
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::view::picture::{chart_stem, refused, written};
 use sagnac::view::stack::Shown as Curves;
 
@@ -96,7 +96,7 @@ pub struct Ran<'a> {
     /// The path of the folder.
     pub path: &'a Path,
     /// The work done, and the device, if anything can be sampled.
-    pub done: Option<(&'a Done, String)>,
+    pub done: Option<(&'a RunStats, String)>,
     /// Number of missing trials.
     pub lacking: u64,
     /// Whether results are returned as JSON instead of printed.

@@ -1,7 +1,7 @@
 //! The options of the commands that sample studies.
 
 use clap::Args;
-use sagnac::key::common::MAX_TRIALS;
+use sagnac::key::MAX_TRIALS;
 use sagnac::study::Study;
 
 use crate::arg_parsers::whole;

@@ -1,11 +1,12 @@
 //! Part `counts`: the integer operations of each measured kernel.
 
-use sagnac::device::load::Work;
+use sagnac::device::Work;
 use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::recipe::CHUNK;
 use sagnac::kernel::shader::Variant;
-use sagnac::verify::measured::{Measured, measured};
+use sagnac::verify::measured;
+use sagnac::verify::Measured;
 use serde_json::json;
 
 use crate::count::{Operations, operations};

@@ -7,7 +7,7 @@ use sagnac::device::gpu::{Adapter, Gpu};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
 use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::part::Part;
 use serde_json::{Value, json};

@@ -2,13 +2,12 @@
 
 use std::time::Instant;
 
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::launch::MAX_STEPS;
 use sagnac::kernel::moments::Moments;
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 use serde_json::json;
 
 use crate::edits::{EDITS, Edit, ONE_PRODUCT, PLAIN, UNIFORM};

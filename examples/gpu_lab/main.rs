@@ -19,9 +19,9 @@ mod lab;
 mod limit;
 mod values;
 
-use sagnac::device::load::Work;
+use sagnac::device::Work;
 use sagnac::kernel::launch::Launch;
-use sagnac::verify::measured::measured;
+use sagnac::verify::measured;
 use serde_json::{Value, json};
 
 struct Options {
@@ -99,7 +99,7 @@ struct Bench {
 
 /// Those of `sagnac device bench`; the first two are the paper's point without and with histogram.
 fn benches() -> Vec<Bench> {
-    let of = |measured: sagnac::verify::measured::Measured| match measured.work {
+    let of = |measured: sagnac::verify::Measured| match measured.work {
         Work::Trials(launch) => {
             Some(Bench { name: measured.configuration, launch, histogram: measured.histogram })
         }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use sagnac::device::load::Work;
+use sagnac::device::Work;
 use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::launch::{Launch, MAX_STEPS};
 use sagnac::kernel::map::Map;

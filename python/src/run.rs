@@ -10,11 +10,12 @@ use sagnac::device::select::Selection;
 use sagnac::report::answer::Answer;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::sections::Page;
-use sagnac::run::{Done, Plan, RESOLVED, keep};
+use sagnac::run::keep;
+use sagnac::run::{Plan, RESOLVED, RunStats};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::verify::select;
 use sagnac::view::picture::pictures;
 
@@ -63,7 +64,7 @@ struct Ran {
     study: Study,
     is_sampled: bool,
     page: Page,
-    done: Option<(Done, String)>,
+    done: Option<(RunStats, String)>,
 }
 
 /// Runs a study from a file, or from its text if there is no `path`, and returns its tables and report.

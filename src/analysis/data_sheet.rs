@@ -2,8 +2,8 @@
 //! simulated records.
 
 use crate::analysis::shape::Noise;
-use sagnac_engine::device::cpu::Cpu;
-use sagnac_engine::kinds::allan::realizations::realizations;
+use sagnac_engine::device::Cpu;
+use sagnac_engine::kinds::allan::run::realizations;
 use sagnac_kernel::width::Width;
 use sagnac_records::allan::{Angles, Unit};
 use sagnac_records::events::{Event, Events};

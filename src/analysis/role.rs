@@ -6,7 +6,7 @@ use sagnac_engine::filler::FILLERS;
 use sagnac_engine::kinds::KINDS;
 use sagnac_engine::kinds::allan::columns::COEFFICIENT;
 use sagnac_engine::kinds::gap_fill::GapFill;
-use sagnac_engine::kinds::gap_fill::tuning::{Tuning, tuned};
+use sagnac_engine::kinds::gap_fill::columns::{Tuning, tuned};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
 

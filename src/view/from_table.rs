@@ -4,7 +4,7 @@ use crate::view::mixed::check_curves;
 use crate::view::stack::Shown;
 use sagnac_base::table::{Cell, Column, Role, Table, Unit, grouped};
 use sagnac_engine::chart::{self, Chart};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use sagnac_report::chart::notes::{ChartError, Notes};
 use sagnac_report::chart::styles::styles;

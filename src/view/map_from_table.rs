@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::view::from_table::{axis, check_unit, grouping, limit, numbers, style};
 use sagnac_base::table::{Column, Table};
 use sagnac_engine::chart::{Chart, Shows};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_report::chart::figure::Entry;
 use sagnac_report::chart::map::winners::winners;
 use sagnac_report::chart::map::{Cells, Estimate, Layer, Map};

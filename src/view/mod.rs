@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use sagnac::chart::{Chart, Limit, Shows};
-//! use sagnac::key::scale::Scale;
+//! use sagnac::key::sweep::Scale;
 //! use sagnac::table::{Cell, Column, Table, Unit};
 //! use sagnac::view::from_table::figure;
 //! use sagnac::view::map_from_table::map;

@@ -3,7 +3,7 @@ tables may have more columns.
 
 python3 tests/data/renamed_tables.py OLD NEW
 
-OLD and NEW have a folder of tables for each study. The names are those of crates/engine/src/key/renamed.rs.
+OLD and NEW have a folder of tables for each study. The names are those of crates/engine/src/key/docs.rs.
 """
 
 import csv
@@ -11,7 +11,7 @@ import re
 import sys
 from pathlib import Path
 
-SOURCE = Path(__file__).parents[2] / "crates/engine/src/key/renamed.rs"
+SOURCE = Path(__file__).parents[2] / "crates/engine/src/key/docs.rs"
 NAMES = dict(re.findall(r'\("([\w-]+)", "([\w-]+)"\)', SOURCE.read_text().split("];")[0]))
 
 # Words in cells of text.

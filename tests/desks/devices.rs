@@ -3,15 +3,14 @@
 
 use std::time::Instant;
 
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
 use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::adapter::Adapter;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
-use sagnac::tally::block::Block;
+use sagnac::tally::Block;
 
 /// Every adapter of this machine. The GPU half of these tests is never skipped.
 pub fn adapters() -> Vec<Adapter> {

@@ -3,13 +3,12 @@
 
 use std::path::Path;
 
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::run::{Plan, RunError, Tables};
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use tempfile::TempDir;
 
 use crate::studies::{Silent, parsed};

@@ -3,18 +3,17 @@
 
 use std::path::Path;
 
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::gap_fill::GapFill;
+use sagnac::kinds::gap_fill::inputs::Point;
 use sagnac::kinds::gap_fill::lower::Lowered;
-use sagnac::kinds::gap_fill::point::Point;
 pub use sagnac::progress::Silent;
 use sagnac::run::Plan;
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 /// The study of a text; `name` may hold a folder, where records are then looked for.
 pub fn parsed(name: &str, text: &str) -> Study {

@@ -4,17 +4,17 @@ use std::path::Path;
 
 use crate::devices::{adapters, open};
 use crate::studies::{Row, parsed, rows};
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::curve::LoweredCurve;
+use sagnac::kinds::allan::lower::theory::LoweredCurve;
 use sagnac::progress::Silent;
-use sagnac::run::{Plan, RESOLVED, Tables, keep};
+use sagnac::run::keep;
+use sagnac::run::{Plan, RESOLVED, Tables};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 mod refusals;
 

@@ -13,7 +13,7 @@ use sagnac::run::{Plan, RunError};
 use sagnac::store::source::Source;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 const ATTEMPTS: usize = 500;
 

@@ -8,7 +8,7 @@ use sagnac::quantity::units::Quantity;
 use sagnac::run::{Plan, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::verify::select;
 
 fn tables(study: &Study) -> Tables {

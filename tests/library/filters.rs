@@ -1,12 +1,11 @@
 //! Filters that keep a heading: against a Kalman filter that runs step by step, against their own claims, and refusals.
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::width::Width;
-use sagnac::key::common::Streams;
-use sagnac::kinds::navigation::keys::Solution;
+use sagnac::key::Streams;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::noise_of;
-use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point};
+use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point, Solution};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::filter::{Model, filtered};

@@ -1,11 +1,10 @@
 //! Groups of devices: the same bits, whatever share of the work each of them has.
 
 use crate::devices::{Coverage, adapters, jobs, open, reference};
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::KERNELS;
 use sagnac::kernel::width::Width;
-use sagnac::tally::block::{Block, cover};
+use sagnac::tally::{Block, cover};
 use sagnac::verify::loads;
 
 fn cpu(width: Width, threads: usize) -> Device {

@@ -1,8 +1,8 @@
 //! The reference lists every key of study files, from the rows that declare them.
 
 use crate::generated::{check, filled};
-use sagnac::key::explained::Explained;
-use sagnac::kinds::keys::{explain_key, explained_keys};
+use sagnac::key::docs::Explained;
+use sagnac::kinds::{explain_key, explained_keys};
 
 #[test]
 fn the_reference_lists_all_keys() {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::lock_in::LockIn;
 use sagnac::kernel::shader::Variant;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use sagnac::kinds::keys::{explain_key, explained_keys};
+use sagnac::kinds::{explain_key, explained_keys};
 use sagnac::study::Study;
 
 use crate::studies::{parsed, rows, run_afresh};

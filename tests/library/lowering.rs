@@ -1,8 +1,7 @@
 //! What is lowered fits: sums are exact however large the errors, and what cannot be represented is refused by name.
 
 use crate::studies::{papers_point, rows, run_afresh, study};
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::filler::{Filler, Method, Target};
 use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
@@ -13,13 +12,13 @@ use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
-use sagnac::key::refusal::Refusal;
+use sagnac::key::Unrepresentable;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 use sagnac::theory::minimum_variance::Band;
 
 fn keys(key: [u32; 2]) -> Keys {
@@ -146,7 +145,7 @@ fn sums_are_those_of_128_bits_however_large_the_errors() {
     assert!(nearest > 0.5, "none of the configurations came near the limit: {nearest}");
 }
 
-fn lower(configuration: &Configuration) -> Result<Lowered, Refusal> {
+fn lower(configuration: &Configuration) -> Result<Lowered, Unrepresentable> {
     configuration.lower()
 }
 

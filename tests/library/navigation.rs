@@ -3,20 +3,17 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use sagnac::device::cpu::Cpu;
-use sagnac::device::load::Work;
+use sagnac::device::{Cpu, Work};
 use sagnac::kernel::width::Width;
-use sagnac::kinds::navigation::keys::Solution;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::{lgk_400, loads, navigator, noise_of, shaped};
-use sagnac::kinds::navigation::{Noise, Switching};
+use sagnac::kinds::navigation::{Noise, Solution, Switching};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
-use sagnac::theory::navigation::covariance;
 use sagnac::theory::navigation::equations::{ARCSEC, EARTH_RATE};
 use sagnac::theory::navigation::radial::Radial;
 use sagnac::theory::navigation::weights::{Error, Times};
-use sagnac::theory::navigation::{GRAVITY, Leg, RADIUS, Task, weights};
+use sagnac::theory::navigation::{GRAVITY, Leg, RADIUS, Task, covariance, weights};
 
 use crate::devices::{adapters, name, open, variants};
 

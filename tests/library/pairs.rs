@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::devices::{Coverage, adapters, on_cpu, on_gpu, open, reference};
 use sagnac::device::gpu::Gpu;
-use sagnac::filler::keys::Error;
+use sagnac::filler::read::Error;
 use sagnac::filler::{Filler, Method, Target};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::width::Width;
@@ -13,7 +13,7 @@ use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::keys::{Design, Interpolation, Phase, Position};
 use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac::record::Record;
-use sagnac::tally::block::cover;
+use sagnac::tally::cover;
 use sagnac::theory::minimum_variance::Band;
 use sagnac::theory::psd::Psd;
 

@@ -7,8 +7,8 @@ use crate::studies::{Silent, parsed, rows, run, run_afresh};
 use sagnac::progress::Progress;
 use sagnac::run::Plan;
 use sagnac::store::Store;
-use sagnac::study::precision::Precision;
-use sagnac::tally::share::Share;
+use sagnac::study::Precision;
+use sagnac::tally::Share;
 use sagnac::verify::select;
 
 /// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.

@@ -1,9 +1,9 @@
 //! Noise models in physical units, lowered to records: their curves against the laws and the theory of the lowered words.
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
-use sagnac::key::refusal::Refusal;
+use sagnac::key::Unrepresentable;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
@@ -38,7 +38,7 @@ impl Model {
         }
     }
 
-    fn lower(&self) -> Result<Records, Refusal> {
+    fn lower(&self) -> Result<Records, Unrepresentable> {
         Records::new(&Asked {
             process: &self.process,
             readout_lsb: self.readout_lsb,

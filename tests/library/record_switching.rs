@@ -2,9 +2,9 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::width::Width;
-use sagnac::key::refusal::Refusal;
+use sagnac::key::Unrepresentable;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
@@ -41,7 +41,7 @@ impl Model {
         Process { sample_s: SAMPLE_S, parts: self.parts.clone() }
     }
 
-    fn lower(&self) -> Result<Records, Refusal> {
+    fn lower(&self) -> Result<Records, Unrepresentable> {
         Records::new(&Asked {
             process: &self.process(),
             readout_lsb: self.readout_lsb,

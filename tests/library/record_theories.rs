@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::width::Width;
 use sagnac::theory::allan::estimator::{Difference, Estimator};

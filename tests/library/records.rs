@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::devices::{adapters, open};
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::shader::Variant;

@@ -2,18 +2,13 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::width::Width;
-use sagnac::key::common::Streams;
-use sagnac::key::refusal::Refusal;
-use sagnac::kinds::relock::inputs::FirstHalf;
-use sagnac::kinds::relock::inputs::{Compensation, Relock};
+use sagnac::key::{Streams, Unrepresentable};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::verify::{named_relocks, relock};
-use sagnac::kinds::relock::{RelockInputs, RelockPoint};
-use sagnac::tally::block::cover;
-use sagnac::tally::stats::Estimates;
+use sagnac::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
+use sagnac::tally::{Estimates, cover};
 
 const TRIALS: u64 = 1 << 20;
 
@@ -277,7 +272,7 @@ fn relocks_that_make_no_sense_are_refused_by_name() {
         let point = RelockPoint { swept: vec![], inputs: with(change) };
         LoweredRelock::new(&point, 7, Streams::Independent).unwrap_err()
     };
-    let cases: [(&str, Refusal); 9] = [
+    let cases: [(&str, Unrepresentable); 9] = [
         ("relock.loop_time", error(&|relock| relock.loop_s = 0.6)),
         ("relock.loop_time", error(&|relock| relock.loop_s = 0.0001)),
         ("relock.curvature", error(&|relock| relock.curvature = 400.0)),

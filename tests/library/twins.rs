@@ -4,8 +4,7 @@
 //! Two lists drive it, [`KERNELS`] and the launches of each: a new kernel or configuration cannot be forgotten.
 
 use crate::devices::{Coverage, adapters, name, on_cpu, on_gpu, open, reference, variants};
-use sagnac::device::Job;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Job};
 use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
 use sagnac::kernel::launch::Launch;
@@ -18,7 +17,7 @@ use sagnac::kernel::{Form, KERNELS};
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::verify::{Configuration, configurations};
 use sagnac::motion::keys::Phase;
-use sagnac::tally::block::{Block, cover};
+use sagnac::tally::{Block, cover};
 
 const TRIALS: u64 = 1 << 20;
 

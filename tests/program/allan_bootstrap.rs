@@ -3,14 +3,14 @@
 use crate::desk::{Desk, rows_of};
 use crate::fitted::{QNB, covers, is_identified, share};
 use crate::logs::{desk_with, noise};
-use sagnac::device::cpu::Cpu;
+use sagnac::device::Cpu;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::coefficient::Fit;
 use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Fitter, fit_record};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::realizations::realizations;
+use sagnac::kinds::allan::run::realizations;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rusqlite::Connection;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, LOCK, Store};
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use crate::desk::Desk;
 use crate::stores::{MOMENTS, ROWS, cpu, folder};

@@ -6,13 +6,11 @@ use std::path::{Path, PathBuf};
 use crate::desk::Desk;
 use sagnac::chart::Source;
 use sagnac::described::{By, File, files, meanings};
-use sagnac::kinds::KINDS;
-use sagnac::kinds::gap_fill::kind::GAP_FILL;
-use sagnac::kinds::keys::{explain_key, explained_keys};
-use sagnac::kinds::relock::kind::RELOCK;
+use sagnac::kinds::gap_fill::GAP_FILL;
+use sagnac::kinds::relock::RELOCK;
+use sagnac::kinds::{KINDS, explain_key, explained_keys};
 use sagnac::run::Plan;
-use sagnac::study::Study;
-use sagnac::study::kind::Kind;
+use sagnac::study::{Kind, Study};
 use sagnac::table::Role;
 
 fn root() -> &'static Path {

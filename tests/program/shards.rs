@@ -10,7 +10,7 @@ use sagnac::device::Device;
 use sagnac::run::Plan;
 use sagnac::store::source::Source;
 use sagnac::store::{FILE, Store};
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 /// One, two and three threads of the CPU, and an adapter.
 fn devices() -> Vec<Device> {

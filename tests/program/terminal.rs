@@ -3,8 +3,7 @@
 use std::process::Command;
 
 use crate::desk::{Desk, PROGRAM};
-use sagnac::kinds::KINDS;
-use sagnac::kinds::keys::explained_keys;
+use sagnac::kinds::{KINDS, explained_keys};
 use sagnac::run::Plan;
 use sagnac::study::Study;
 

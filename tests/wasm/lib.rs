@@ -3,12 +3,12 @@
 use std::slice;
 
 use sagnac_base::progress::Silent;
+use sagnac_engine::device::Cpu;
 use sagnac_engine::device::Device;
-use sagnac_engine::device::cpu::Cpu;
 use sagnac_engine::run::Plan;
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
+use sagnac_engine::tally::Share;
 use sagnac_engine::verify;
 use sagnac_kernel::width::Width;
 

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use sagnac::described::{files, meanings};
-use sagnac::key::explained::Explained;
-use sagnac::kinds::KINDS;
-use sagnac::kinds::keys::{explain_key, explained_keys};
-use sagnac::study::kind::Kind;
+use sagnac::key::docs::Explained;
+use sagnac::kinds::{KINDS, explain_key, explained_keys};
+use sagnac::study::Kind;
 
 use crate::failure::{EXIT_CODES, Failure};
 use crate::look;

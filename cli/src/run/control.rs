@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::progress::leave;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 #[cfg(unix)]
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 

@@ -9,11 +9,12 @@ use clap::Args;
 use sagnac::device::Device;
 use sagnac::quantity::number::significant;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
-use sagnac::run::{Done, Plan, RESOLVED, keep};
+use sagnac::run::keep;
+use sagnac::run::{Plan, RESOLVED, RunStats};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use sagnac::view::picture::pictures;
 
 use crate::failure::Failure;
@@ -269,7 +270,7 @@ fn run_study(
         json: options.sampling.json,
         shown: options.sampling.printed,
     };
-    let rate = |done: &Done| {
+    let rate = |done: &RunStats| {
         if done.trials == 0 {
             return "nothing was left to sample".to_owned();
         }

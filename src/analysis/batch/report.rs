@@ -16,7 +16,7 @@ use sagnac_base::quantity::list::listed;
 use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::Deviation;
 use sagnac_report::answer::reading::number;
 use sagnac_report::answer::{AnswerCell, AnswerTable, Fact, Kind, Reading};

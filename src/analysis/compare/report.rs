@@ -10,7 +10,7 @@ use crate::analysis::log::{figures, records};
 use sagnac_base::quantity::number::probability;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::Deviation;
 use sagnac_report::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 

@@ -4,7 +4,7 @@ use crate::analysis::notch::Notches;
 use crate::analysis::role::{Bandless, apart, is_given};
 use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use sagnac_engine::chart::{Chart, Limit, Source};
-use sagnac_engine::kinds::allan::keys::LENGTH;
+use sagnac_engine::kinds::allan::LENGTH;
 use sagnac_engine::run::Tables;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::Reading;

@@ -8,7 +8,7 @@ use sagnac_engine::device::Device;
 use sagnac_engine::run::{Plan, RunError};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
+use sagnac_engine::tally::Share;
 
 /// Number of parts of the trials, whose scatter gives the intervals.
 const PARTS: u64 = 16;

@@ -6,12 +6,10 @@ use crate::analysis::decision::{DecisionError, Figure, short};
 use crate::analysis::role::is_given;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::table::Table;
-use sagnac_engine::drift::schedule::{End, INTERVAL};
-use sagnac_engine::key::row::Key;
-use sagnac_engine::key::setting::Swept;
-use sagnac_engine::key::sweep::Sweep;
-use sagnac_engine::kinds::lock_in::LockInStudy;
-use sagnac_engine::kinds::lock_in::inputs::{FREQUENCY, SCALE_FACTOR, THRESHOLD};
+use sagnac_engine::drift::{End, INTERVAL};
+use sagnac_engine::key::Key;
+use sagnac_engine::key::sweep::{Sweep, Swept};
+use sagnac_engine::kinds::lock_in::{FREQUENCY, LockInStudy, SCALE_FACTOR, THRESHOLD};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::{Alternative, Fact};
@@ -444,8 +442,8 @@ impl Lever {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sagnac_engine::filler::keys::GAP_TICKS;
-    use sagnac_engine::kinds::gap_fill::keys::READOUT_LSB;
+    use sagnac_engine::filler::read::GAP_TICKS;
+    use sagnac_engine::kinds::gap_fill::inputs::READOUT_LSB;
 
     #[test]
     fn needed_values_lie_beyond_the_change_with_three_digits_and_are_never_the_present_ones() {

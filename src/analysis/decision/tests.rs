@@ -1,11 +1,10 @@
 use crate::analysis::decision::{Sheet, decide};
 use sagnac_base::progress::Silent;
-use sagnac_engine::device::Device;
-use sagnac_engine::device::cpu::Cpu;
+use sagnac_engine::device::{Cpu, Device};
 use sagnac_engine::run::{Plan, Tables};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
+use sagnac_engine::tally::Share;
 use sagnac_kernel::width::Width;
 use sagnac_report::answer::{Fact, Status};
 

@@ -61,18 +61,18 @@ use crate::analysis::jackknife::PARTS;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;
 use sagnac_base::source::diagnose::StudyError;
-use sagnac_engine::device::error::GpuError;
+use sagnac_engine::device::GpuError;
 use sagnac_engine::device::{Device, Job};
-use sagnac_engine::drift::schedule::{End, INTERVAL};
-use sagnac_engine::key::refusal::Refusal;
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::drift::{End, INTERVAL};
+use sagnac_engine::key::Unrepresentable;
+use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::kinds::switched_run::lower::FilledRun;
 use sagnac_engine::kinds::switched_run::point::Point as RunPoint;
 use sagnac_engine::kinds::switched_run::run::late;
 use sagnac_engine::kinds::switched_run::{SwitchedRun, Timing};
-use sagnac_engine::sampling::worker::Worker;
+use sagnac_engine::sampling::Worker;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::block::Block;
+use sagnac_engine::tally::Block;
 use sagnac_kernel::moments::Moments;
 use sagnac_theory::drift::budget::{Budget, Optimum};
 
@@ -318,7 +318,7 @@ pub enum DesignError {
     },
     /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
-    Lower(#[from] Refusal),
+    Lower(#[from] Unrepresentable),
     /// An error of one of several variants.
     #[error("{error}, at {at}")]
     At {

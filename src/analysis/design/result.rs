@@ -6,9 +6,8 @@ use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
 use crate::analysis::jackknife::{T_95, of_halves};
 use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_engine::drift::schedule::INTERVAL;
-use sagnac_engine::key::setting::Swept;
-use sagnac_engine::key::sweep::Sweep;
+use sagnac_engine::drift::INTERVAL;
+use sagnac_engine::key::sweep::{Sweep, Swept};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
 

@@ -6,10 +6,10 @@ use crate::analysis::design::result::{Filler, Found, Tried};
 use crate::analysis::design::{DesignError, PapersRule, optimum};
 use crate::analysis::jackknife::halves;
 use sagnac_base::progress::Progress;
-use sagnac_engine::key::holds::names;
+use sagnac_engine::key::names;
 use sagnac_engine::kinds::switched_run::lower::FilledRun;
-use sagnac_engine::sampling::worker::Worker;
-use sagnac_engine::tally::stats::{Estimates, NORMAL_95};
+use sagnac_engine::sampling::Worker;
+use sagnac_engine::tally::{Estimates, NORMAL_95};
 use sagnac_kernel::moments::Moments;
 use sagnac_theory::drift::budget::Optimum;
 

@@ -7,7 +7,7 @@ use crate::analysis::log::report::{key, text};
 use sagnac_base::quantity::number::{probability, significant, with_unit};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Point};
 use sagnac_records::fit::Quantity;
 use sagnac_report::chart::figure::Axis;

@@ -6,10 +6,9 @@ use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity, parse as parse_quantity};
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_engine::filler::Filler;
-use sagnac_engine::key::setting::Swept;
-use sagnac_engine::key::sweep::Sweep;
+use sagnac_engine::key::sweep::{Sweep, Swept};
 use sagnac_engine::kinds::gap_fill::GapFill;
-use sagnac_engine::kinds::gap_fill::point::Point;
+use sagnac_engine::kinds::gap_fill::inputs::Point;
 use sagnac_engine::study::Study;
 
 /// Why nothing could be chosen.

@@ -8,7 +8,7 @@ use rand::rand_core::Rng;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::{About, Cell, Column, Role, Table};
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::tally::id::Id;
+use sagnac_engine::tally::Id;
 use sagnac_kernel::philox::Philox;
 
 /// Instructions in the header for using the tables.

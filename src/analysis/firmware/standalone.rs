@@ -8,7 +8,7 @@ use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::reading::capitalized;
 
-pub use sagnac_engine::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
+pub use sagnac_engine::filler::{DESIGNED as KINDS, MINIMUM_VARIANCE};
 
 /// The properties of fillers; quantities are texts with units, as in a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

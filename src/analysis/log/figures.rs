@@ -2,7 +2,7 @@
 
 use sagnac_base::quantity::number::{joined, significant};
 use sagnac_base::table::crossing::{between, fraction};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Point, Unit};
 use sagnac_records::fit::{Fit, Quantity};
 use sagnac_report::answer::reading::capitalized;

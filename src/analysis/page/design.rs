@@ -8,7 +8,7 @@ use crate::analysis::page::{chart, grid, study_file};
 use crate::analysis::sensitivity::Sensitivity;
 use crate::analysis::{firmware, sensitivity};
 use sagnac_base::quantity::number::significant;
-use sagnac_engine::filler::keys::Error;
+use sagnac_engine::filler::read::Error;
 use sagnac_engine::study::Study;
 use sagnac_report::chart::picture::Picture;
 use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};

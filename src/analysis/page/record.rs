@@ -7,7 +7,7 @@ use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::in_unit;
 use crate::view::picture::Drawn;
 use sagnac_base::quantity::number::significant;
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Trend, Unit as Curves};
 use sagnac_records::events::{Event, What};
 use sagnac_records::record::log::channel::{Channel, Log};

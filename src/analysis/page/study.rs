@@ -18,7 +18,7 @@ use sagnac_base::table::{Cell, Role, Table};
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::error::StoreError;
 use sagnac_engine::store::{Provenance, Store};
-use sagnac_engine::study::kept::Input;
+use sagnac_engine::study::Input;
 use sagnac_report::answer::Answer;
 use sagnac_report::chart::picture::Picture;
 use sagnac_report::page::sections::{Block, Grid, Page, Section};

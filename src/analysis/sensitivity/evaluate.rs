@@ -6,13 +6,12 @@ use crate::analysis::sensitivity::SensitivityError;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::table::{Column, Role, Table};
 use sagnac_engine::device::Device;
-use sagnac_engine::key::row::Key;
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::Key;
+use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::run::Plan;
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::share::Share;
-use sagnac_engine::tally::stats::NORMAL_95;
+use sagnac_engine::tally::{NORMAL_95, Share};
 
 /// Most points that are lowered and sampled together, whose tallies are held in memory.
 const MAX_POINTS: usize = 512;

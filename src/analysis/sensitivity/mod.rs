@@ -55,7 +55,7 @@ use sagnac_base::table::{Cells, Column, ColumnError, Usual};
 use sagnac_engine::chart::{Chart, Limit, Source};
 use sagnac_engine::device::Device;
 use sagnac_engine::key::sensitivity::{SENSITIVITY, Uncertain};
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::run::{Plan, RunError};
 use sagnac_engine::study::Study;
 

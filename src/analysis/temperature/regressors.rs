@@ -2,7 +2,7 @@
 
 use crate::analysis::temperature::search::Search;
 use crate::analysis::temperature::smoothing::Averages;
-use sagnac_engine::key::holds::names;
+use sagnac_engine::key::names;
 use sagnac_records::allan::{Deviation, Unit};
 use sagnac_records::fit::regression::{Estimate, Posterior};
 use sagnac_theory::allan::Process;

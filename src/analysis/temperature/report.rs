@@ -9,7 +9,7 @@ use crate::analysis::temperature::{Column, Dependence, Temperature};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan;
 use sagnac_records::allan::{Deviation, Point};
 use sagnac_records::fit::regression::Estimate;

@@ -1,6 +1,5 @@
 use super::*;
-use sagnac_engine::chart::law::Law;
-use sagnac_engine::chart::{Named, Shows};
+use sagnac_engine::chart::{Law, Named, Shows};
 
 fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
     Column { name: name.to_owned(), label: name.to_owned(), unit, cells: cells.into(), ..Column::default() }

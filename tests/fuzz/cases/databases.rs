@@ -6,15 +6,14 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use rusqlite::Connection;
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::progress::Silent;
 use sagnac::run::Plan;
 use sagnac::store::source::Source;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 use tempfile::TempDir;
 
 use super::Outcome;

@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::Allan;
 use sagnac::kinds::switched_run::SwitchedRun;
 use sagnac::progress::Silent;
-use sagnac::run::{Plan, RESOLVED, keep};
+use sagnac::run::keep;
+use sagnac::run::{Plan, RESOLVED};
 use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 use super::Outcome;
 

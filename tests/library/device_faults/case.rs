@@ -2,10 +2,8 @@
 
 use std::sync::{Arc, Mutex};
 
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
-use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::fault::{Fault, Faults, Moment};
+use sagnac::device::gpu::adapter::{Adapter, Fault, Faults, Moment};
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 

@@ -1,8 +1,7 @@
 //! Groups whose members fail: the others do their part, with the same bits.
 
-use sagnac::device::Device;
-use sagnac::device::cpu::Cpu;
-use sagnac::device::gpu::fault::Fault;
+use sagnac::device::gpu::adapter::Fault;
+use sagnac::device::{Cpu, Device};
 use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rusqlite::types::Value;
 use sagnac::device::Device;
 use sagnac::progress::Progress;
-use sagnac::run::{Done, Plan, Tables};
+use sagnac::run::{Plan, RunStats, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
-use sagnac::tally::share::Share;
+use sagnac::tally::Share;
 
 /// What a run tells as it goes on.
 #[derive(Default)]
@@ -39,7 +39,7 @@ pub struct Left {
     /// All tallies, by point, estimate and first trial.
     pub rows: Vec<Vec<Value>>,
     pub devices: Vec<String>,
-    pub done: Done,
+    pub done: RunStats,
 }
 
 pub fn run(study: &Study, device: &mut Device) -> Left {

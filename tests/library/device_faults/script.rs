@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use sagnac::device::gpu::fault::{Fault, Faults, Moment};
+use sagnac::device::gpu::adapter::{Fault, Faults, Moment};
 
 /// What a device is about to do, and what it has met before.
 #[derive(Debug, Clone, Copy, Default)]

@@ -5,10 +5,8 @@ use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::thread::{self, ScopedJoinHandle};
 
-use crate::device::attempts::Attempts;
-use crate::device::error::GpuError;
-use crate::device::{Advance, Device, Job, Tallies};
-use crate::tally::block::cover;
+use crate::device::{Advance, Device, GpuError, Job, RetryProgress, Tallies};
+use crate::tally::cover;
 use sagnac_base::stopwatch::Stopwatch;
 
 /// Devices that share work. Each works on a thread of its own and takes parts of the work that are as large as its measured
@@ -44,7 +42,7 @@ const MIN_DEALT: f64 = 1.0 / 16.0;
 /// A part of some work, the attempts at it and its results.
 struct Part<'a, T> {
     units: Range<u64>,
-    attempts: Attempts<'a>,
+    attempts: RetryProgress<'a>,
     result: Result<T, GpuError>,
 }
 
@@ -179,7 +177,7 @@ impl Group {
             let work = |member: &mut Member| {
                 let (mut parts, mut done, started) = (vec![], 0, Stopwatch::start());
                 while let Some(units) = take(member) {
-                    let attempts = Attempts::new(progress);
+                    let attempts = RetryProgress::new(progress);
                     let result = by(&mut member.device, units.clone(), &attempts.next());
                     let failure = result.as_ref().err().cloned();
                     done += units.end - units.start;
@@ -265,7 +263,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::device::cpu::Cpu;
+    use crate::device::Cpu;
     use sagnac_kernel::width::Width;
 
     /// Processors of one, two and so on threads.

@@ -1,21 +1,23 @@
-//! The processor and GPUs, on which the kernels give the same bits.
+//! The processor and GPUs, on which the kernels give the same bits; their jobs, errors and loads for tests.
 
-pub(crate) mod attempts;
-pub mod cpu;
-pub mod error;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
 pub mod group;
-pub mod load;
 pub mod select;
 
-use crate::device::error::GpuError;
+use core::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
 use crate::device::group::Group;
-use crate::tally::block::Block;
+use crate::tally::Block;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::map::Map;
-use sagnac_kernel::moments::Moments;
+use sagnac_kernel::moments::{Moments, Trials};
+use sagnac_kernel::width::Width;
 
 /// Receives numbers of trials or records as they complete.
 pub type Advance<'a> = &'a (dyn Fn(u64) + Sync);
@@ -35,7 +37,7 @@ pub struct Job<'a> {
 /// A device that runs the kernels.
 pub enum Device {
     /// The processor, which runs kernels in lanes on threads.
-    Cpu(crate::device::cpu::Cpu),
+    Cpu(crate::device::Cpu),
     /// A GPU, which runs kernels as shaders.
     Gpu(Box<crate::device::gpu::Gpu>),
     /// Several of them, which share the work by their measured speed.
@@ -148,5 +150,208 @@ impl Device {
             Device::Gpu(gpu) => gpu.map(map, items),
             Device::Group(group) => group.first().map(map, items),
         }
+    }
+}
+
+/// Attempts at the same work, which report each of its units once.
+pub(crate) struct RetryProgress<'a> {
+    progress: Advance<'a>,
+    /// Most units that an attempt has reported.
+    told: AtomicU64,
+}
+
+impl<'a> RetryProgress<'a> {
+    pub(crate) fn new(progress: Advance<'a>) -> RetryProgress<'a> {
+        RetryProgress { progress, told: AtomicU64::new(0) }
+    }
+
+    /// The progress of the next attempt. Units that an earlier one has reported are not reported again.
+    pub(crate) fn next(&self) -> impl Fn(u64) + Sync {
+        let done = AtomicU64::new(0);
+        move |more| {
+            let done = done.fetch_add(more, Ordering::Relaxed) + more;
+            let before = self.told.fetch_max(done, Ordering::Relaxed);
+            if done > before {
+                (self.progress)(done - before);
+            }
+        }
+    }
+}
+
+/// Why a device cannot be used, or no longer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    /// The device cannot be opened, with the message of the driver.
+    #[error("cannot open the device: {0}")]
+    Open(String),
+    /// The device is gone, as after a watchdog or an unplugged adapter, with the message of the driver. Earlier tallies
+    /// are intact.
+    #[error("the device was lost: {0}")]
+    Lost(String),
+    /// The driver does not return from compiling a shader. The thread that waits for it is left behind.
+    #[error("its driver did not compile a shader within 5 minutes")]
+    Stuck,
+    /// The device has too little memory for the work at hand.
+    #[error("the device is out of memory")]
+    OutOfMemory,
+    /// The device rejects a shader or a buffer, with the message of the validation.
+    #[error("the device refused the work: {0}")]
+    Refused(String),
+    /// The device computes other bits than the CPU on the first work of a shader.
+    #[error("it computes other bits than the CPU: update its driver")]
+    WrongBits,
+    /// A record does not fit into the buffers; the CPU can make it.
+    #[error(
+        "a record needs {bytes} bytes on the device, of {most}: shorten the longest averaging time, or overlap = \"m/64\""
+    )]
+    TooLong {
+        /// Bytes that its angles need.
+        bytes: u64,
+        /// Bytes that the device offers for them.
+        most: u64,
+    },
+}
+
+/// A named load of a kernel. A kind of study provides loads that cover every distinction its kernel makes.
+#[derive(Debug, Clone)]
+pub struct Workload {
+    /// Name in reports.
+    pub name: &'static str,
+    /// The computation.
+    pub work: Work,
+    /// Number of trials or samples that every device must compute correctly before it is used.
+    pub self_test_units: Option<u64>,
+}
+
+/// The computation of a load.
+#[derive(Debug, Clone)]
+pub enum Work {
+    /// Trials of a launch.
+    Trials(Launch),
+    /// Synthetic records.
+    Records(Arc<dyn Recorded>),
+}
+
+impl Workload {
+    /// Loads of launches; those named in `self_test` are part of the self-test.
+    pub fn of_launches(launches: Vec<(&'static str, Launch)>, self_test: &[&str]) -> Vec<Workload> {
+        let load = |(name, launch)| Workload {
+            name,
+            work: Work::Trials(launch),
+            self_test_units: self_test.contains(&name).then_some(5000),
+        };
+        launches.into_iter().map(load).collect()
+    }
+
+    /// The launch, if the load has one.
+    pub fn launch(&self) -> Option<&Launch> {
+        match &self.work {
+            Work::Trials(launch) => Some(launch),
+            Work::Records(_) => None,
+        }
+    }
+
+    /// The stem of the kernel that computes the load.
+    pub fn kernel(&self) -> &'static str {
+        match &self.work {
+            Work::Trials(launch) => launch.sampled().part().stem,
+            Work::Records(recipe) => recipe.part().stem,
+        }
+    }
+}
+
+/// Steps that a thread takes at a time, which last some milliseconds.
+const PIECE_STEPS: u64 = 1 << 16;
+
+/// The cores of this machine, or some of them.
+#[derive(Debug)]
+pub struct Cpu {
+    width: Width,
+    /// Absent in WebAssembly, which has one thread.
+    pool: Option<rayon::ThreadPool>,
+}
+
+impl Cpu {
+    /// A processor that runs kernels in lanes of `width` on `threads` threads; 0 means one thread for each core.
+    ///
+    /// # Errors
+    /// The system provides no threads.
+    pub fn new(width: Width, threads: usize) -> Result<Cpu, rayon::ThreadPoolBuildError> {
+        let pool = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            Err(_) if cfg!(target_family = "wasm") => None,
+            built => Some(built?),
+        };
+        Ok(Cpu { width, pool })
+    }
+
+    /// The lanes of its kernels.
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// Number of records made in parallel: one for each lane of each thread.
+    pub fn records_at_once(&self) -> u64 {
+        (self.width.lanes() * self.threads()) as u64
+    }
+
+    fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+    }
+
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
+    /// Name with lanes and threads.
+    pub fn name(&self) -> String {
+        format!("CPU ({}, {} threads)", self.width.name(), self.threads())
+    }
+
+    /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
+    pub fn tally(&self, jobs: &[Job], histogram: bool, progress: Advance) -> Tallies {
+        self.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
+    }
+
+    /// Sums of the squared differences of some records: record by record, and within a record by the places of the
+    /// curve. `progress` receives numbers of records as they complete.
+    pub fn sums(&self, recipe: &dyn Recorded, first: u64, count: usize, progress: Advance) -> Vec<u128> {
+        let lanes = recipe.lanes(self.width) as u64;
+        let end = first + count as u64;
+        // The record numbers of a group share one upper half.
+        let half = ((first | u64::from(u32::MAX)) + 1).min(end);
+        let starts = |range: Range<u64>| range.step_by(lanes as usize);
+        let groups: Vec<u64> = starts(first..half).chain(starts(half..end)).collect();
+        let group = |&at: &u64| {
+            let count = lanes.min(if at < half { half } else { end } - at);
+            let sums = recipe.sums(self.width, at, count as usize);
+            progress(count);
+            sums
+        };
+        self.install(|| groups.par_iter().flat_map_iter(group).collect())
+    }
+
+    fn tally_job(&self, job: &Job, histogram: bool, progress: Advance) -> Vec<Moments> {
+        let Job { launch, block } = job;
+        let empty = || vec![Moments::empty(histogram); launch.sampled().estimates()];
+        // Pieces of an aligned block never straddle a multiple of 2^32, as the kernel requires.
+        let most = (PIECE_STEPS / launch.steps().next_power_of_two()).max(64);
+        (0..block.trials().div_ceil(most))
+            .into_par_iter()
+            .map(|piece| {
+                let first = block.first + piece * most;
+                let count = most.min(block.end() - first);
+                let tallies = launch.tally(self.width, Trials { first, count, histogram });
+                progress(count);
+                tallies
+            })
+            .reduce(empty, |mut left, right| {
+                for (tally, other) in left.iter_mut().zip(&right) {
+                    tally.merge(other);
+                }
+                left
+            })
     }
 }

@@ -2,10 +2,9 @@
 
 use core::convert::Infallible;
 
-use crate::device::error::GpuError;
 use crate::device::gpu::adapter::Adapter;
 use crate::device::select::SelfTest;
-use crate::device::{Advance, Job, Tallies};
+use crate::device::{Advance, GpuError, Job, Tallies};
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::map::Map;
 use sagnac_kernel::shader::Variant;
@@ -15,6 +14,8 @@ pub mod adapter {
 
     use core::convert::Infallible;
 
+    use crate::device::Device;
+    use crate::device::select::{SelectError, SelfTest};
     use sagnac_kernel::shader::Variant;
 
     /// An uninhabited type: there are no adapters.
@@ -54,26 +55,12 @@ pub mod adapter {
             match self.0 {}
         }
     }
-}
-
-pub(crate) mod trust {
-    //! No adapter is known.
-
-    use crate::device::Device;
-    use crate::device::gpu::adapter::Adapter;
-    use crate::device::select::{SelectError, SelfTest};
 
     pub(crate) fn open(adapter: &Adapter, _: usize, _: SelfTest) -> Result<Device, SelectError> {
         adapter.none()
     }
-}
 
-pub mod unused {
-    //! No card could be used.
-
-    use crate::device::gpu::adapter::Adapter;
-
-    /// Returns nothing.
+    /// Returns nothing: no card could be used.
     pub fn unused_card(_: &[Adapter]) -> Option<String> {
         None
     }

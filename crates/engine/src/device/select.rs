@@ -3,14 +3,10 @@
 
 use std::cell::LazyCell;
 
-use crate::device::Device;
-use crate::device::cpu::Cpu;
-use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
-use crate::device::gpu::adapter::Adapter;
-use crate::device::gpu::trust;
-use crate::device::gpu::unused::unused_card;
+use crate::device::gpu::adapter::{self, Adapter, unused_card};
 use crate::device::group::Group;
+use crate::device::{Cpu, Device, GpuError};
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::width::Width;
 
@@ -289,7 +285,7 @@ impl Machine {
         match choice {
             Choice::Cpu(width) => Ok(Device::Cpu(Cpu::new(width, self.threads)?)),
             Choice::Gpu(at) => match self.self_test {
-                Some(self_test) => trust::open(&self.adapters[at], self.threads, self_test),
+                Some(self_test) => adapter::open(&self.adapters[at], self.threads, self_test),
                 None => Ok(Device::Gpu(Box::new(opened(&self.adapters[at])?))),
             },
         }

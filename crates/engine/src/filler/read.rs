@@ -1,19 +1,72 @@
-//! Reading of the fillers of a study, which reports every fault with its place.
+//! The keys of fillers and their reading.
 
 use std::sync::Arc;
 
-use crate::filler::closed::{CLOSED, LISTED, MINIMUM_VARIANCE, WEIGHTS, named};
-use crate::filler::keys::{
-    FILLER_BAND, FILLER_EXTRAPOLATION_TICKS, FILLER_EXTRAPOLATION_WEIGHTS, FILLER_FIT_TICKS, FILLER_KIND,
-    FILLER_NAME, FILLER_WEIGHTS,
+use crate::filler::{
+    self, CLOSED, FARTHEST, Filler, LISTED, MINIMUM_VARIANCE, Method, Purpose, Specification, Target,
+    TickList, WEIGHTS, named,
 };
-use crate::filler::specification::Specification;
-use crate::filler::ticks::{Purpose, TickList};
-use crate::filler::{Filler, Method, Target};
-use crate::key::given::Given;
-use crate::key::table::Table;
-use crate::motion::read::band;
+use crate::key::document::{SpannedValue, Table};
+use crate::key::{ValueType, keys, words};
+use crate::motion::keys::{FREQUENCIES, band};
 use sagnac_base::source::diagnose::{Fault, choices};
+
+words! {
+    /// An error of a filler.
+    pub enum Error {
+        /// Permanent error of the angle, after the gap is closed and corrected.
+        Residual = "residual",
+        /// Error of the angle at the end of the gap, before it is corrected.
+        Extrapolation = "extrapolation",
+        /// Largest error of the angle while the gap is open.
+        InGap = "in-gap",
+    }
+}
+
+/// Longest gap, ticks.
+const MAX_GAP: i64 = FARTHEST;
+
+const LIST: ValueType = ValueType::List(&ValueType::Any);
+
+keys! {
+    /// The keys of the gap and its fillers.
+    pub(crate) static KEYS;
+    /// The mode switch, and the fillers of the lost ticks.
+    pub SWITCHING = "switching", "", Fixed, ValueType::Table, "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]";
+    /// Number n of lost ticks; they are numbered 1 … n.
+    pub GAP_TICKS = "switching.gap_ticks", "lost ticks n", Condition, ValueType::Whole(1, MAX_GAP), "gap_ticks = 3";
+    /// Ticks to which the residual is fitted; -1, 0, n+1, n+2 if absent. A tick is a number or "n+1"; "-7..0" is a
+    /// range of ticks.
+    pub FIT_TICKS = "switching.fit_ticks", "", Fixed, LIST, r#"fit_ticks = [-1, 0, "n+1", "n+2"]"#;
+    /// Ticks to which the extrapolation is fitted, none after 0; -3, -2, -1, 0 if absent.
+    pub EXTRAPOLATION_TICKS = "switching.extrapolation_ticks", "", Fixed, LIST, "extrapolation_ticks = [-3, -2, -1, 0]";
+    /// Fillers to compare, each once: a polynomial "const", "linear" or "quadratic", fitted to switching.fit_ticks, or
+    /// a table with its own kind, name and ticks, such as a minimum-variance filler.
+    pub FILLERS = "switching.fillers", "", Fixed, ValueType::List(&ValueType::Either(&[ValueType::Any, ValueType::Word(filler::NAMES), ValueType::Table])), r#"fillers = ["const", "quadratic", { kind = "minimum-variance", name = "mv8+2", fit_ticks = ["-7..0", "n+1", "n+2"] }]"#;
+    /// Method by which the filler weights its ticks.
+    pub FILLER_KIND = "switching.fillers.kind", "", Fixed, ValueType::Word(filler::KINDS), r#"kind = "minimum-variance""#, required;
+    /// Name in tables and charts; the kind if absent.
+    pub FILLER_NAME = "switching.fillers.name", "", Fixed, ValueType::Text, r#"name = "mv8+2""#;
+    /// Ticks to which the residual is fitted; switching.fit_ticks if absent.
+    pub FILLER_FIT_TICKS = "switching.fillers.fit_ticks", "", Fixed, LIST, r#"fit_ticks = ["-7..0", "n+1", "n+2"]"#;
+    /// Ticks to which the extrapolation is fitted. If absent, they are the fit ticks up to 0 for a minimum-variance
+    /// filler with its own fit_ticks, else switching.extrapolation_ticks.
+    pub FILLER_EXTRAPOLATION_TICKS = "switching.fillers.extrapolation_ticks", "", Fixed, LIST, r#"extrapolation_ticks = ["-7..0"]"#;
+    /// Vibration band for which a minimum-variance filler is designed, ["18 Hz", "22 Hz"]; the study's own motion if
+    /// absent.
+    pub FILLER_BAND = "switching.fillers.band", "", Fixed, ValueType::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
+    /// Weights of the residual in the order of its ticks; their sum is n. They are numbers, or fractions such as "5/2".
+    pub FILLER_WEIGHTS = "switching.fillers.weights", "", Fixed, LIST, r#"weights = [-1, "5/2", "5/2", -1]"#;
+    /// Weights of the extrapolation. If absent, the filler does not extrapolate.
+    pub FILLER_EXTRAPOLATION_WEIGHTS = "switching.fillers.extrapolation_weights", "", Fixed, LIST, r#"extrapolation_weights = ["3/4", "3/4", "3/4", "3/4"]"#;
+}
+
+keys! {
+    /// The keys that apply only where single switches are studied.
+    pub(crate) static OF_ONE_SWITCH;
+    /// Errors to sample, each once; ["residual", "extrapolation"] if absent.
+    pub ERRORS = "switching.errors", "", Fixed, ValueType::List(&ValueType::Word(Error::WORDS)), r#"errors = ["residual", "extrapolation", "in-gap"]"#;
+}
 
 /// A filler, with its own lists of ticks.
 pub(crate) struct Written {
@@ -39,7 +92,10 @@ pub(crate) enum Extrapolation {
 const MAX_FILLERS: usize = 1000;
 
 /// Reads the fillers; those of least variance without a band are designed for the specification, if there is one.
-pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> Result<Vec<Written>, Fault> {
+pub(crate) fn read(
+    list: SpannedValue,
+    specification: Option<&Arc<Specification>>,
+) -> Result<Vec<Written>, Fault> {
     if list.items().is_empty() {
         let message = "switching.fillers is empty, there is nothing to compare";
         return Err(list.fault(message, "no filler", choices("", LISTED)));
@@ -66,7 +122,7 @@ pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> R
     Ok(fillers)
 }
 
-fn of_name(entry: Given) -> Result<Written, Fault> {
+fn of_name(entry: SpannedValue) -> Result<Written, Fault> {
     let text = entry.text();
     let Some(closed) = named(text) else {
         let message = format!("switching.fillers: {entry} is not a filler");
@@ -107,7 +163,7 @@ fn of_table(table: &Table, specification: Option<&Arc<Specification>>) -> Result
                 let help = format!("add for example {}", FILLER_WEIGHTS.example);
                 return Err(Fault::new(table.span.clone(), message, "no weights", help));
             };
-            let numbers = |list: Given| list.items().into_iter().map(weight).collect::<Result<_, _>>();
+            let numbers = |list: SpannedValue| list.items().into_iter().map(weight).collect::<Result<_, _>>();
             let extrapolation = extrapolation_weights.map(numbers).transpose()?;
             if let (None, Some(ticks)) = (&extrapolation, extrapolation_ticks) {
                 let message = "extrapolation_ticks are given without extrapolation_weights";
@@ -139,7 +195,7 @@ fn of_table(table: &Table, specification: Option<&Arc<Specification>>) -> Result
 }
 
 /// Reads a weight: a number, or a fraction as text.
-fn weight(given: Given) -> Result<f64, Fault> {
+fn weight(given: SpannedValue) -> Result<f64, Fault> {
     let fraction = |text: &str| {
         let number = |part: &str| part.trim().replace('−', "-").parse::<f64>().ok();
         match text.split_once('/') {

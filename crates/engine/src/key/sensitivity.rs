@@ -4,12 +4,9 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::key::given::Given;
-use crate::key::holds::{Holds, Measure};
-use crate::key::row::{Key, keys};
-use crate::key::setting::Swept;
-use crate::key::sweep::{self, Sweep};
-use crate::key::table::Table;
+use crate::key::document::{SpannedValue, Table};
+use crate::key::sweep::{self, Sweep, Swept};
+use crate::key::{Key, Measure, ValueType, keys};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::source::diagnose::Fault;
@@ -19,37 +16,37 @@ keys! {
     pub(crate) static KEYS;
     /// Uncertain inputs, each with a range or a distribution. `sagnac sensitivity` tells how much of the uncertainty of the
     /// answer comes from each of them; other commands check them and use the values of the study.
-    pub SENSITIVITY = "sensitivity", "", Fixed, Holds::List(&Holds::Table),
+    pub SENSITIVITY = "sensitivity", "", Fixed, ValueType::List(&ValueType::Table),
         "[[sensitivity]]\nkey = \"gyro.tick_noise.std\"\nnormal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
     /// Uncertain key, one that a sweep may vary and that holds a quantity: "gyro.tick_noise.std".
-    KEY = "sensitivity.key", "", Fixed, Holds::Text, "key = \"gyro.tick_noise.std\"", required;
+    KEY = "sensitivity.key", "", Fixed, ValueType::Text, "key = \"gyro.tick_noise.std\"", required;
     /// Uniform distribution; of a key of whole numbers, all of them are equally likely.
-    UNIFORM = "sensitivity.uniform", "", Fixed, Holds::Table, "uniform = { from = \"0.4 arcsec\", to = \"0.6 arcsec\" }";
+    UNIFORM = "sensitivity.uniform", "", Fixed, ValueType::Table, "uniform = { from = \"0.4 arcsec\", to = \"0.6 arcsec\" }";
     /// Least value.
-    UNIFORM_FROM = "sensitivity.uniform.from", "", Fixed, Holds::Any, "from = \"0.4 arcsec\"", required;
+    UNIFORM_FROM = "sensitivity.uniform.from", "", Fixed, ValueType::Any, "from = \"0.4 arcsec\"", required;
     /// Largest value.
-    UNIFORM_TO = "sensitivity.uniform.to", "", Fixed, Holds::Any, "to = \"0.6 arcsec\"", required;
+    UNIFORM_TO = "sensitivity.uniform.to", "", Fixed, ValueType::Any, "to = \"0.6 arcsec\"", required;
     /// Distribution whose logarithm is uniform.
-    LOG = "sensitivity.log", "", Fixed, Holds::Table, "log = { from = \"0.1 arcsec\", to = \"1 arcsec\" }";
+    LOG = "sensitivity.log", "", Fixed, ValueType::Table, "log = { from = \"0.1 arcsec\", to = \"1 arcsec\" }";
     /// Least value, above 0.
-    LOG_FROM = "sensitivity.log.from", "", Fixed, Holds::Any, "from = \"0.1 arcsec\"", required;
+    LOG_FROM = "sensitivity.log.from", "", Fixed, ValueType::Any, "from = \"0.1 arcsec\"", required;
     /// Largest value.
-    LOG_TO = "sensitivity.log.to", "", Fixed, Holds::Any, "to = \"1 arcsec\"", required;
+    LOG_TO = "sensitivity.log.to", "", Fixed, ValueType::Any, "to = \"1 arcsec\"", required;
     /// Normal distribution, cut off at the limits of the key.
-    NORMAL = "sensitivity.normal", "", Fixed, Holds::Table, "normal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
+    NORMAL = "sensitivity.normal", "", Fixed, ValueType::Table, "normal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
     /// Mean.
-    NORMAL_MEAN = "sensitivity.normal.mean", "", Fixed, Holds::Any, "mean = \"0.5 arcsec\"", required;
+    NORMAL_MEAN = "sensitivity.normal.mean", "", Fixed, ValueType::Any, "mean = \"0.5 arcsec\"", required;
     /// Standard deviation, above 0.
-    NORMAL_SD = "sensitivity.normal.sd", "", Fixed, Holds::Any, "sd = \"0.05 arcsec\"", required;
+    NORMAL_SD = "sensitivity.normal.sd", "", Fixed, ValueType::Any, "sd = \"0.05 arcsec\"", required;
     /// Value with its 95 % interval, as `sagnac allan` gives them: two halves of normal distributions, cut off at the limits
     /// of the key.
-    INTERVAL = "sensitivity.interval", "", Fixed, Holds::Table, "interval = { value = \"14 arcsec/s\", low = \"13 arcsec/s\", high = \"15.5 arcsec/s\" }";
+    INTERVAL = "sensitivity.interval", "", Fixed, ValueType::Table, "interval = { value = \"14 arcsec/s\", low = \"13 arcsec/s\", high = \"15.5 arcsec/s\" }";
     /// Median.
-    INTERVAL_VALUE = "sensitivity.interval.value", "", Fixed, Holds::Any, "value = \"14 arcsec/s\"", required;
+    INTERVAL_VALUE = "sensitivity.interval.value", "", Fixed, ValueType::Any, "value = \"14 arcsec/s\"", required;
     /// Lower end of the 95 % interval.
-    INTERVAL_LOW = "sensitivity.interval.low", "", Fixed, Holds::Any, "low = \"13 arcsec/s\"", required;
+    INTERVAL_LOW = "sensitivity.interval.low", "", Fixed, ValueType::Any, "low = \"13 arcsec/s\"", required;
     /// Upper end of the 95 % interval.
-    INTERVAL_HIGH = "sensitivity.interval.high", "", Fixed, Holds::Any, "high = \"15.5 arcsec/s\"", required;
+    INTERVAL_HIGH = "sensitivity.interval.high", "", Fixed, ValueType::Any, "high = \"15.5 arcsec/s\"", required;
 }
 
 /// An uncertain input.
@@ -146,7 +143,7 @@ pub(crate) fn read_all(
         let help = format!("leave it out, or write it as in\n{}", SENSITIVITY.example);
         return Err(list.fault("sensitivity has no inputs", "empty", help));
     }
-    for table in tables.iter().filter_map(Given::table) {
+    for table in tables.iter().filter_map(SpannedValue::table) {
         let name = table.needed(&KEY)?;
         let key = sweep::find(name, keys, sweepable, ["vary", "uncertain"])?;
         if key.is_name() {
@@ -171,7 +168,7 @@ pub(crate) fn read_all(
 struct Written<'a> {
     key: &'static Key,
     /// The name of the key.
-    name: Given<'a>,
+    name: SpannedValue<'a>,
     table: Table<'a>,
 }
 
@@ -254,13 +251,13 @@ impl Written<'_> {
         let written = self.table.needed(&NORMAL_SD)?.of(self.key);
         let positive =
             |measure| Measure { limits: (f64::MIN_POSITIVE, f64::INFINITY), range: "above 0", ..measure };
-        let holds = self.key.holds.measured().map_or(self.key.holds, |own| Holds::Measure(positive(own)));
+        let holds = self.key.holds.measured().map_or(self.key.holds, |own| ValueType::Measure(positive(own)));
         let sd = written.read(&holds)?;
         self.same_dimension(mean, sd, written)?;
         Ok(sd.value)
     }
 
-    fn same_dimension(&self, first: Quantity, value: Quantity, at: Given) -> Result<(), Fault> {
+    fn same_dimension(&self, first: Quantity, value: Quantity, at: SpannedValue) -> Result<(), Fault> {
         if first.dimension == value.dimension {
             return Ok(());
         }
@@ -273,12 +270,12 @@ impl Written<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::holds::measure;
+    use crate::key::measure;
 
     static ANGLE: Key = Key {
         name: "gyro.angle",
         label: "",
-        role: crate::key::row::Role::Choice,
+        role: crate::key::Role::Choice,
         doc: "",
         holds: measure(&[Dimension::Angle], 0.0, 10.0, "0 to 10 arcsec"),
         example: "",

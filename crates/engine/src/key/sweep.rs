@@ -1,48 +1,48 @@
-//! Sweeps: the values of one key from point to point.
+//! Sweeps: the values of one key from point to point; and the settings that put them into inputs.
 
 use std::collections::HashSet;
+use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
 
-use crate::key::given::Given;
-use crate::key::holds::Holds;
-use crate::key::row::{Key, keys};
-use crate::key::scale::Scale;
-use crate::key::setting::Swept;
-use crate::key::table::Table;
+use crate::key::document::{SpannedValue, Table};
+use crate::key::{Key, ValueType, keys};
+use sagnac_base::quantity::unit::Written;
 use sagnac_base::quantity::units::Quantity;
+pub use sagnac_base::scale::Scale;
 use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::table::{Cell, Unit};
 
 keys! {
     /// The keys of sweeps.
     pub(crate) static KEYS;
     /// Sweeps, each of which varies one key; several of them multiply, and the first one changes slowest.
-    SWEEP = "sweep", "", Fixed, Holds::List(&Holds::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
+    SWEEP = "sweep", "", Fixed, ValueType::List(&ValueType::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
     /// Key to vary: "motion.frequency".
-    KEY = "sweep.key", "", Fixed, Holds::Text, "key = \"motion.frequency\"", required;
+    KEY = "sweep.key", "", Fixed, ValueType::Text, "key = \"motion.frequency\"", required;
     /// List of the values.
-    LIST = "sweep.list", "", Fixed, Holds::List(&Holds::Any), "list = [\"2 Hz\", \"5 Hz\"]";
+    LIST = "sweep.list", "", Fixed, ValueType::List(&ValueType::Any), "list = [\"2 Hz\", \"5 Hz\"]";
     /// Values at equal differences, both ends included.
-    LINEAR = "sweep.linear", "", Fixed, Holds::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
+    LINEAR = "sweep.linear", "", Fixed, ValueType::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
     /// First value of the swept key.
-    LINEAR_FROM = "sweep.linear.from", "", Fixed, Holds::Any, "from = \"2 Hz\"", required;
+    LINEAR_FROM = "sweep.linear.from", "", Fixed, ValueType::Any, "from = \"2 Hz\"", required;
     /// Last value.
-    LINEAR_TO = "sweep.linear.to", "", Fixed, Holds::Any, "to = \"40 Hz\"", required;
+    LINEAR_TO = "sweep.linear.to", "", Fixed, ValueType::Any, "to = \"40 Hz\"", required;
     /// Number of values.
     LINEAR_POINTS = "sweep.linear.points", "", Fixed, POINTS, "points = 20", required;
     /// Values at equal ratios, both ends included.
-    LOG = "sweep.log", "", Fixed, Holds::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
+    LOG = "sweep.log", "", Fixed, ValueType::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
     /// First value of the swept key, above 0.
-    LOG_FROM = "sweep.log.from", "", Fixed, Holds::Any, "from = \"2 Hz\"", required;
+    LOG_FROM = "sweep.log.from", "", Fixed, ValueType::Any, "from = \"2 Hz\"", required;
     /// Last value, above 0.
-    LOG_TO = "sweep.log.to", "", Fixed, Holds::Any, "to = \"40 Hz\"", required;
+    LOG_TO = "sweep.log.to", "", Fixed, ValueType::Any, "to = \"40 Hz\"", required;
     /// Number of values.
     LOG_POINTS = "sweep.log.points", "", Fixed, POINTS, "points = 24", required;
 }
 
-const POINTS: Holds = Holds::Whole(1, MAX_VALUES as i64);
+const POINTS: ValueType = ValueType::Whole(1, MAX_VALUES as i64);
 
 /// Largest number of values of one sweep.
 const MAX_VALUES: usize = 10_000;
@@ -81,9 +81,10 @@ pub(crate) fn read_all(
     let mut sweeps: Vec<Sweep> = Vec::new();
     let mut points = 1_usize;
     let tables = study.get(&SWEEP).map(|given| given.items()).unwrap_or_default();
-    for table in tables.iter().filter_map(Given::table) {
+    for table in tables.iter().filter_map(SpannedValue::table) {
         let name = table.needed(&KEY)?;
-        let sweep = Written { key: find(name, keys, sweepable, ["sweep", "swept"])?, name, table }.read()?;
+        let sweep =
+            WrittenSweep { key: find(name, keys, sweepable, ["sweep", "swept"])?, name, table }.read()?;
         let target = target(sweep.key, keys);
         if let Some(earlier) = sweeps.iter().find(|earlier| self::target(earlier.key, keys) == target) {
             let message = format!("{} is swept although {} is already", sweep.key.name, earlier.key.name);
@@ -114,13 +115,14 @@ pub(crate) fn selected<'f, T>(
 
 /// The input that a key sets. The keys of a table that takes exactly one of them all set the same input.
 pub(crate) fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
-    let forms = keys.iter().find(|table| table.name == key.table() && matches!(table.holds, Holds::OneOf));
+    let forms =
+        keys.iter().find(|table| table.name == key.table() && matches!(table.holds, ValueType::OneOf));
     forms.map_or(key.name, |forms| forms.name)
 }
 
 /// Finds the key that a sweep, or another part of a study with the same choice, names. `verb` says what is done to it.
 pub(crate) fn find(
-    name: Given,
+    name: SpannedValue,
     keys: &[&'static Key],
     sweepable: &[&'static Key],
     [verb, done]: [&str; 2],
@@ -176,14 +178,14 @@ pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str
 }
 
 /// A sweep as written.
-struct Written<'a> {
+struct WrittenSweep<'a> {
     key: &'static Key,
     /// The name of the key.
-    name: Given<'a>,
+    name: SpannedValue<'a>,
     table: Table<'a>,
 }
 
-impl Written<'_> {
+impl WrittenSweep<'_> {
     fn read(&self) -> Result<Sweep, Fault> {
         let [list, linear, log] = [&LIST, &LINEAR, &LOG].map(|key| self.table.get(key));
         if self.key.is_name() {
@@ -230,7 +232,7 @@ impl Written<'_> {
 
     /// Reads a sweep over some of the names that a key accepts, or over files, each identified by its name without
     /// folders and ending.
-    fn of_names(&self, list: Given) -> Result<Sweep, Fault> {
+    fn of_names(&self, list: SpannedValue) -> Result<Sweep, Fault> {
         self.count(list)?;
         let (key, known) = (self.key, self.key.names());
         let (mut values, mut files) = (Vec::new(), Vec::new());
@@ -267,7 +269,7 @@ impl Written<'_> {
     }
 
     /// Checks that there is at least one value, and not too many.
-    fn count(&self, list: Given) -> Result<(), Fault> {
+    fn count(&self, list: SpannedValue) -> Result<(), Fault> {
         let fault =
             |message: String, label| Err(list.fault(message, label, "give one value or more, 10000 at most"));
         match list.items().len() {
@@ -279,7 +281,7 @@ impl Written<'_> {
         }
     }
 
-    fn listed(&self, list: Given) -> Result<Vec<Quantity>, Fault> {
+    fn listed(&self, list: SpannedValue) -> Result<Vec<Quantity>, Fault> {
         self.count(list)?;
         let mut seen = HashSet::new();
         let mut values: Vec<Quantity> = Vec::new();
@@ -299,7 +301,7 @@ impl Written<'_> {
 
     fn spaced(
         &self,
-        spaced: Given,
+        spaced: SpannedValue,
         [from, to, points]: [&'static Key; 3],
         is_log: bool,
     ) -> Result<Vec<Quantity>, Fault> {
@@ -345,7 +347,7 @@ impl Written<'_> {
     }
 
     /// Checks that all values have one dimension, because a sweep is one column and a column has one unit.
-    fn same_dimension(&self, first: Quantity, value: Quantity, at: Given) -> Result<(), Fault> {
+    fn same_dimension(&self, first: Quantity, value: Quantity, at: SpannedValue) -> Result<(), Fault> {
         if first.dimension == value.dimension {
             return Ok(());
         }
@@ -353,4 +355,120 @@ impl Written<'_> {
         let message = format!("the sweep over {} mixes {wanted} and {found}", self.key.name);
         Err(at.fault(message, found, format!("write {wanted}, like the first value")))
     }
+}
+
+/// A key that sets a number among inputs `I`.
+pub(crate) struct Setting<I: 'static> {
+    pub(crate) key: &'static Key,
+    /// Whether the key applies to given inputs.
+    pub(crate) applies: fn(&I) -> bool,
+    pub(crate) set: fn(&mut I, Quantity),
+}
+
+impl<I> Setting<I> {
+    /// A setting that applies to all inputs.
+    pub(crate) const fn new(key: &'static Key, set: fn(&mut I, Quantity)) -> Setting<I> {
+        Setting { key, applies: |_| true, set }
+    }
+
+    /// A setting that applies only to some inputs.
+    pub(crate) const fn of(
+        key: &'static Key,
+        applies: fn(&I) -> bool,
+        set: fn(&mut I, Quantity),
+    ) -> Setting<I> {
+        Setting { key, applies, set }
+    }
+}
+
+/// Refuses a sweep over a key that does not apply to the inputs; `what` names the part that lacks it, such as `the
+/// motion`.
+pub(crate) fn check_applies<I>(
+    sweep: &Sweep,
+    inputs: &I,
+    settings: &[Setting<I>],
+    what: &str,
+) -> Result<(), Fault> {
+    let (applying, other): (Vec<_>, Vec<_>) = settings.iter().partition(|setting| (setting.applies)(inputs));
+    if other.iter().all(|setting| setting.key.name != sweep.key.name) {
+        return Ok(());
+    }
+    let message = format!("{} is swept, but {what} has none", sweep.key.name);
+    let applying: Vec<&str> = applying.iter().map(|setting| setting.key.name).collect();
+    Err(sweep.fault(message, "not in this study", format!("this study has {}", applying.join(", "))))
+}
+
+/// A value of a swept key at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Swept {
+    /// A quantity with its dimension.
+    Quantity(Quantity),
+    /// A name, or the name of a file without folders and ending.
+    Name(String),
+}
+
+impl Swept {
+    /// The quantity, where the value is one.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Swept::Quantity(quantity) => Some(*quantity),
+            Swept::Name(_) => None,
+        }
+    }
+
+    /// The value as a cell of a table.
+    pub fn cell(&self) -> Cell {
+        match self {
+            Swept::Quantity(quantity) => (*quantity).into(),
+            Swept::Name(name) => Cell::Text(name.clone()),
+        }
+    }
+
+    /// The unit in which it is written.
+    pub(crate) fn written(&self) -> Option<Written> {
+        self.quantity()?.written
+    }
+
+    /// The unit in which tables show it.
+    pub fn unit(&self) -> Unit {
+        self.quantity().map_or(Unit::NONE, |quantity| quantity.dimension.unit())
+    }
+}
+
+impl fmt::Display for Swept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Swept::Quantity(quantity) => quantity.fmt(f),
+            Swept::Name(name) => name.fmt(f),
+        }
+    }
+}
+
+/// The keys that some settings set.
+pub(crate) fn keys<I>(settings: &[Setting<I>]) -> impl Iterator<Item = &'static Key> {
+    settings.iter().map(|setting| setting.key)
+}
+
+/// The name among the swept values that belongs to this key.
+pub(crate) fn named<'s>(swept: &'s [(&'static str, Swept)], key: &Key) -> Option<&'s str> {
+    swept.iter().find_map(|(name, value)| match value {
+        Swept::Name(named) if *name == key.name => Some(named.as_str()),
+        _ => None,
+    })
+}
+
+/// Sets the swept quantities in `inputs`.
+pub(crate) fn set<I>(inputs: &mut I, settings: &[Setting<I>], swept: &[(&'static str, Swept)]) {
+    for (name, value) in swept {
+        let setting = settings.iter().find(|setting| setting.key.name == *name);
+        if let (Some(setting), Some(quantity)) = (setting, value.quantity()) {
+            (setting.set)(inputs, quantity);
+        }
+    }
+}
+
+/// The scale as written, or the default.
+pub(crate) fn scale_of(given: Option<SpannedValue>) -> Scale {
+    let named = |given: SpannedValue| Scale::ALL.into_iter().find(|known| known.name() == given.text());
+    given.and_then(named).unwrap_or_default()
 }

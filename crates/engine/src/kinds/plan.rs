@@ -1,27 +1,24 @@
-//! Plans of kinds whose points are sampled by launches.
+//! Plans of kinds: points that are sampled by launches, and closed forms; and the tables that they make.
 
 use std::cell::Cell;
 use std::fmt;
 
 use rayon::prelude::*;
 
-use crate::key::common::Streams;
-use crate::key::refusal::Refusal;
-use crate::kinds::table::Values;
+use crate::key::sweep::{Sweep, Swept};
+use crate::key::{Streams, Unrepresentable};
 use crate::sampling::batches::{Work, held_by_all, lacking, sample};
-use crate::sampling::plan::{Done, Plan, RunError};
-use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::{Plan, RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
-use crate::store::index::Index;
-use crate::store::{Address, Store};
+use crate::store::{Address, Index, Store};
 use crate::study::Study;
-use crate::tally::block::{Block, base_log2, row_log2};
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+use crate::tally::{Block, Id, Share, base_log2, row_log2};
 use sagnac_base::progress::Progress;
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_base::stopwatch::Stopwatch;
+use sagnac_base::table::cells::Growing;
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cells, Column, ColumnOf, Role, Table};
 
 /// The identity of a point of a kind, and the key of its random numbers: its own one, or that of all points of the
 /// study. `inputs` is everything else on which its draws depend, as lines of text.
@@ -125,7 +122,7 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
         subject: &'a S,
         points: &'a [P],
         swept: fn(&P) -> &Values,
-        lower: impl Fn(&'a P) -> Result<L, Refusal> + Sync,
+        lower: impl Fn(&'a P) -> Result<L, Unrepresentable> + Sync,
         progress: &dyn Progress,
     ) -> Result<Option<PointsPlan<'a, S, L>>, StudyError> {
         progress.start("points", 0, points.len() as u64);
@@ -140,7 +137,7 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
         let mut all = Vec::with_capacity(points.len());
         // Points after a refused one are not needed, so they are lowered some at a time.
         for points in points.chunks(LOWERED_AT_ONCE) {
-            let lowered: Vec<Option<Result<L, Refusal>>> = points.par_iter().map(lower).collect();
+            let lowered: Vec<Option<Result<L, Unrepresentable>>> = points.par_iter().map(lower).collect();
             for (point, lowered) in points.iter().zip(lowered) {
                 let Some(lowered) = lowered else { return Ok(None) };
                 all.push(lowered.map_err(|refusal| study.refused(swept(point), &refusal))?);
@@ -220,7 +217,7 @@ where
         worker: &mut Worker,
         share: Share,
         progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    ) -> Result<RunStats, RunError> {
         let mut wanted = self.first_wanted(share);
         let (started, mut trials) = (Stopwatch::start(), 0);
         let stopped = loop {
@@ -237,7 +234,7 @@ where
         if !stopped {
             self.keep(store, share)?;
         }
-        Ok(Done { trials, seconds: started.seconds(), stopped, degraded: vec![] })
+        Ok(RunStats { trials, seconds: started.seconds(), stopped, degraded: vec![] })
     }
 
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
@@ -288,5 +285,111 @@ where
     fn surplus(&self) -> &'static str {
         let replays = self.points.iter().any(|point| point.trials(1) > 1);
         if replays { "whole replays of the record" } else { "the folder holds them already" }
+    }
+}
+
+/// The plan of such a study, which consists of its table only.
+#[derive(Debug)]
+pub(crate) struct ClosedFormPlan(pub(crate) Table);
+
+impl Plan for ClosedFormPlan {
+    fn run(&self, _: &mut Store, _: &mut Worker, _: Share, _: &dyn Progress) -> Result<RunStats, RunError> {
+        Ok(RunStats { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
+    }
+
+    fn lacks(&self, _: &Store, _: Share) -> Result<u64, StoreError> {
+        Ok(0)
+    }
+
+    fn tables(&self, _: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
+        Ok(Tables::of_points(self.0.clone()))
+    }
+
+    fn held(&self, _: &Index) -> Result<Option<u64>, StoreError> {
+        Ok(None)
+    }
+
+    fn ids(&self) -> Vec<Id> {
+        vec![]
+    }
+
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        Ok(vec!["all values are closed forms: trials, seed and device are not used".to_owned()])
+    }
+
+    fn all_trials(&self) -> u64 {
+        u64::MAX
+    }
+}
+
+/// The name of each swept key with its value at a point, in the order of the sweeps.
+pub(crate) type Values = [(&'static str, Swept)];
+
+/// A table of these rows; `swept` gives the values of the swept keys in each row.
+pub fn table<R: Sync>(
+    sweeps: &[Sweep],
+    columns: &[ColumnOf<R>],
+    rows: &[R],
+    swept: impl Fn(&R) -> &Values,
+) -> Table {
+    let of_sweep = |(at, sweep): (usize, &Sweep)| Column {
+        cells: rows.iter().map(|row| swept(row)[at].1.cell()).collect(),
+        ..column_of(sweep)
+    };
+    let keys = sweeps.iter().enumerate().map(of_sweep);
+    Table { columns: keys.chain(columns_of(columns, rows)).collect() }
+}
+
+/// Tables with the same columns, one below the other. Each table is made when its rows are needed, so that only the cells
+/// of all rows are in memory, and not what they are made from.
+#[derive(Default)]
+pub(crate) struct Appended {
+    columns: Vec<(Column, Growing)>,
+    rows: usize,
+}
+
+impl Appended {
+    /// Adds the rows of a table.
+    pub(crate) fn push(&mut self, table: Table) {
+        if self.columns.is_empty() {
+            let bare = |column: &Column| Column {
+                cells: Cells::default(),
+                band: column.band.as_ref().map(|_| vec![]),
+                band_of_mean: None,
+                ..column.clone()
+            };
+            self.columns = table.columns.iter().map(|column| (bare(column), Growing::default())).collect();
+        }
+        let (rows, more) = (self.rows, table.rows());
+        // Looking up which cells of a long column are known takes as long as making them.
+        self.columns.par_iter_mut().zip(table.columns).for_each(|((whole, cells), column)| {
+            cells.append(column.cells);
+            if let Some((band, own)) = whole.band.as_mut().zip(column.band)
+                && (!band.is_empty() || own.iter().any(Option::is_some))
+            {
+                band.resize(rows, None);
+                band.extend(own);
+            }
+        });
+        self.rows += more;
+    }
+
+    /// All rows.
+    pub(crate) fn into_table(self) -> Table {
+        let whole = |(column, cells): (Column, Growing)| Column { cells: cells.into_cells(), ..column };
+        Table { columns: self.columns.into_iter().map(whole).collect() }
+    }
+}
+
+/// The column of a swept key, without its cells.
+fn column_of(sweep: &Sweep) -> Column {
+    Column {
+        name: sweep.key.name.to_owned(),
+        label: sweep.key.label.to_owned(),
+        unit: sweep.values.first().map(Swept::unit).unwrap_or_default(),
+        written: sweep.values.last().and_then(Swept::written),
+        role: Role::Key,
+        meaning: sweep.key.label.to_owned(),
+        ..Column::default()
     }
 }

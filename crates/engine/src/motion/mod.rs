@@ -1,26 +1,31 @@
-//! The motion of the base at one point, in ″ and s.
+//! The motion of the base at one point, in ″ and s: tones, vibration through the suspension, and recorded motion.
 
 pub mod keys;
-pub(crate) mod read;
-pub(crate) mod read_psd;
-pub(crate) mod replay;
-pub(crate) mod suspension;
-pub(crate) mod vibration;
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
-use crate::motion::keys::{Design, Interpolation, Phase, Position};
-use crate::motion::vibration::Vibration;
+use crate::key::ParseContext;
+use crate::key::document::SpanMap;
+use crate::motion::keys::{
+    ACCELERATION_DENSITIES, ALIAS, Design, GYRO, Interpolation, MODE_FREQUENCY, MODE_Q, MODE_RESPONSE, MODES,
+    Phase, Position, RANDOM, RANDOM_PSD, RANDOM_RMS, SINE, SINE_ACCELERATION, SINE_FREQUENCY, SUSPENSION,
+    SuspensionKeys, read_psd,
+};
+use crate::tally::Id;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::units::round_12;
+use sagnac_base::source::diagnose::Fault;
 use sagnac_kernel::gap_fill::shape::MARGIN;
 use sagnac_records::record::Record;
+use sagnac_theory::cholesky::semidefinite;
 use sagnac_theory::double::Double;
 use sagnac_theory::lines::{self, Line};
 use sagnac_theory::memo::Memo;
 use sagnac_theory::minimum_variance::Band;
 use sagnac_theory::psd::Psd;
 use sagnac_theory::quadrature::Rule;
-use sagnac_theory::rows::TickRows;
+use sagnac_theory::rows::{Rows, TickRows, ticks};
 use sagnac_theory::suspension::Suspension;
 
 /// The motion of the base, the sum of all its parts. The rate is that at the middle of the gap.
@@ -341,5 +346,290 @@ impl Value {
         match self {
             Value::Fixed(x) | Value::Uniform([_, x]) | Value::Rayleigh(x) => x,
         }
+    }
+}
+
+/// A linear vibration of the base, in g, which acts on the gyro through its suspension.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vibration {
+    /// The modes of the mount.
+    pub suspension: Arc<Suspension>,
+    /// Acceleration: a sine or a spectrum.
+    pub acceleration: Acceleration,
+    /// Whether vibration above half the tick rate may appear at lower frequencies.
+    pub alias: bool,
+}
+
+/// The acceleration of the base.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Acceleration {
+    /// A sine of random phase.
+    Sine {
+        /// Peak acceleration, g.
+        amplitude_g: f64,
+        /// Frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// Stationary Gaussian acceleration with a density, which can be scaled to a standard deviation.
+    Random {
+        /// One-sided density, g²/Hz.
+        psd: Arc<Psd>,
+        /// Standard deviation to which it is scaled, g.
+        rms_g: Option<f64>,
+    },
+}
+
+/// The keys of the suspension of a vibration.
+pub(crate) const KEYS: SuspensionKeys = SuspensionKeys {
+    table: &SUSPENSION,
+    gyro: &GYRO,
+    modes: &MODES,
+    mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
+};
+
+/// Reads the vibration, if there is one.
+pub(crate) fn read(reading: &mut ParseContext) -> Result<Option<Vibration>, Fault> {
+    let Some(table) = reading.get(&SUSPENSION) else { return Ok(None) };
+    let suspension = KEYS.read(reading)?;
+    let acceleration = match (reading.get(&SINE), reading.get(&RANDOM)) {
+        (Some(_), None) => Acceleration::Sine {
+            amplitude_g: reading.table.needed(&SINE_ACCELERATION)?.quantity()?.value,
+            frequency_hz: reading.table.needed(&SINE_FREQUENCY)?.quantity()?.value,
+        },
+        (None, Some(_)) => Acceleration::Random {
+            psd: Arc::new(read_psd(reading.table.needed(&RANDOM_PSD)?, &ACCELERATION_DENSITIES)?),
+            rms_g: reading.get(&RANDOM_RMS).map(|rms| rms.quantity()).transpose()?.map(|rms| rms.value),
+        },
+        _ => {
+            let message = "motion.suspension needs exactly one of sine, random";
+            let help = format!("accepted: {}, or {}", SINE.example, RANDOM.example);
+            return Err(table.fault(message, "not exactly one", help));
+        }
+    };
+    // The table comes last, so that an error about the whole points at the first part that is written.
+    reading.note(&[&GYRO, &MODES, &SINE_ACCELERATION, &SINE_FREQUENCY, &RANDOM_PSD, &SUSPENSION]);
+    let alias = reading.get(&ALIAS).is_some_and(|alias| alias.flag());
+    Ok(Some(Vibration { suspension, acceleration, alias }))
+}
+
+impl Vibration {
+    /// Adds the resulting rotation to a motion: a sine of amplitude a gives a tone of amplitude |H|·a, and a random
+    /// acceleration gives Gaussian motion with the density |H|²·S.
+    pub(crate) fn add_to(&self, motion: &mut Motion) {
+        match &self.acceleration {
+            Acceleration::Sine { amplitude_g, frequency_hz } => {
+                let amplitude = self.suspension.response(*frequency_hz).amplitude() * amplitude_g;
+                motion.tones.push(Tone::of_rate(round_12(amplitude), *frequency_hz));
+            }
+            Acceleration::Random { psd, rms_g } => {
+                let scale = rms_g.map_or(1.0, |rms_g| round_12(rms_g * rms_g / psd.variance()));
+                let (suspension, acceleration) = (self.suspension.clone(), psd.clone());
+                motion.gaussian = Some(Gaussian::Vibration { suspension, acceleration, scale });
+            }
+        }
+    }
+
+    /// The highest frequency of the acceleration, Hz.
+    fn highest_hz(&self) -> f64 {
+        match &self.acceleration {
+            Acceleration::Sine { frequency_hz, .. } => *frequency_hz,
+            Acceleration::Random { psd, .. } => psd.points().last().map_or(0.0, |point| point[0]),
+        }
+    }
+
+    /// Refuses vibration above half the tick rate where aliasing is not allowed, and vibration so far above it that the
+    /// result would be meaningless.
+    pub(crate) fn check(&self, tick_s: f64, most_tick_rates: f64, places: &SpanMap) -> Result<(), Fault> {
+        const VIBRATION: [&str; 4] = [
+            "motion.suspension.sine.frequency",
+            "motion.suspension.random.psd",
+            "motion.suspension",
+            "gyro.tick",
+        ];
+        let number = |x: f64| significant(x, 6);
+        let nyquist = 0.5 / tick_s;
+        let highest = self.highest_hz();
+        if highest * tick_s > most_tick_rates {
+            let message = format!(
+                "motion.suspension: a vibration of {} Hz is too fast for a tick rate of {} Hz (gyro.tick = {} s)",
+                number(highest),
+                number(1.0 / tick_s),
+                number(tick_s)
+            );
+            let most = number(most_tick_rates / tick_s);
+            let help = format!("accepted: up to {most_tick_rates} times the tick rate, {most} Hz here");
+            return places.refuse(&VIBRATION, message, "too fast for the ticks", help);
+        }
+        if self.alias {
+            return Ok(());
+        }
+        let modes = self.suspension.modes().iter().map(|mode| mode.frequency_hz);
+        let mode = modes.filter(|frequency_hz| *frequency_hz > nyquist).min_by(f64::total_cmp);
+        let (what, place) = match mode {
+            Some(mode) => {
+                let names = ["motion.suspension.gyro", "motion.suspension.modes", "motion.suspension"];
+                (format!("the mode of {} Hz", number(mode)), places.blame(&names))
+            }
+            None if highest > nyquist => {
+                (format!("a vibration of {} Hz", number(highest)), places.blame(&VIBRATION))
+            }
+            None => return Ok(()),
+        };
+        let (nyquist, tick) = (number(nyquist), number(tick_s));
+        let message = format!(
+            "motion.suspension: {what} is above {nyquist} Hz, the Nyquist frequency of ticks of {tick} s"
+        );
+        let help = format!(
+            "add alias = true to motion.suspension: what is above {nyquist} Hz then shows in the ticks at a lower frequency, \
+             as it does in those of a gyro; or take a shorter gyro.tick"
+        );
+        Err(Fault::new(place, message, "would be aliased", help))
+    }
+}
+
+/// The ticks of a record that are replayed.
+#[derive(Debug)]
+pub(crate) struct Replay {
+    /// Their angles, ″.
+    pub(crate) angles: Vec<f64>,
+    /// Identifies the angles by their bits.
+    pub(crate) content: Id,
+}
+
+/// Means over all places of the gap in a record of the ticks round it, ″, and of their products, ″²; the first tick is that
+/// farthest before the gap.
+#[derive(Debug)]
+pub(crate) struct WindowMeans {
+    pub(crate) ticks: Vec<Double>,
+    pub(crate) products: Vec<Vec<Double>>,
+}
+
+/// A record, recognized by its place in memory without being kept, with the tick, and how it is made of the samples.
+struct Cut {
+    record: Weak<Record>,
+    tick_s: f64,
+    interpolation: Interpolation,
+    design: Design,
+}
+
+impl PartialEq for Cut {
+    fn eq(&self, other: &Cut) -> bool {
+        self.record.ptr_eq(&other.record)
+            && self.tick_s.to_bits() == other.tick_s.to_bits()
+            && (self.interpolation, self.design) == (other.interpolation, other.design)
+    }
+}
+
+/// Replays have up to 32 MB each.
+static REPLAYS: Memo<Cut, Arc<Replay>> = Memo::new(4);
+/// Rows for a gap of some ticks with some ticks on either side.
+static RECORD_ROWS: Memo<(Cut, u32, usize), Arc<TickRows>> = Memo::new(64);
+/// Means of what is replayed, for a gap of some ticks with some ticks on either side.
+static MEANS: Memo<(Cut, u32, usize), Arc<WindowMeans>> = Memo::new(16);
+static VARIANCES: Memo<Cut, f64> = Memo::new(64);
+
+impl Profile {
+    fn cut(&self, tick_s: f64) -> Cut {
+        let Profile { interpolation, design, .. } = *self;
+        Cut { record: Arc::downgrade(&self.record), tick_s, interpolation, design }
+    }
+
+    /// The ticks that are replayed.
+    pub(crate) fn replay(&self, tick_s: f64) -> Arc<Replay> {
+        REPLAYS.get(self.cut(tick_s), || {
+            let (_, before) = self.replayed(tick_s);
+            let angles = self.tick_angles(tick_s).split_off(before);
+            let words = angles.iter().map(|angle| angle.to_bits()).flat_map(|x| [x as u32, (x >> 32) as u32]);
+            Arc::new(Replay { content: Id::of_words(words), angles })
+        })
+    }
+
+    /// The ticks round a gap as rows, ″, whose products are means over all places of the gap, with `sides` ticks on either
+    /// side, in the part from which fillers are designed. From them follow the weights of least squares over these
+    /// places.
+    ///
+    /// The mean of all ticks is removed, which changes no filler that keeps a constant rate. A stationary estimate of the
+    /// covariance by lag would leave several times the error where the motion is nearly predictable.
+    pub(crate) fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
+        let compute = || {
+            let angles = self.design_ticks(tick_s);
+            let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
+            let swings: Vec<f64> = angles.iter().map(|angle| angle - mean).collect();
+            let means = window_means(&swings, gap_ticks as usize + 2 * sides);
+            let at = |tick: i32| (tick - 1 + sides as i32) as usize;
+            let order: Vec<usize> = ticks(gap_ticks, sides).map(at).collect();
+            let matrix: Vec<Vec<f64>> = order
+                .iter()
+                .map(|&i| order.iter().map(|&j| means.products[i][j].value()).collect())
+                .collect();
+            let mut rows = Rows::default();
+            semidefinite(&matrix).iter().for_each(|row| rows.push(row, row.len(), &[]));
+            TickRows::new(gap_ticks, rows).into()
+        };
+        RECORD_ROWS.get((self.cut(tick_s), gap_ticks, sides), compute).as_ref().clone()
+    }
+
+    /// Means over the places that are replayed, with `sides` ticks on either side of the gap.
+    pub(crate) fn window_means(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> Arc<WindowMeans> {
+        MEANS.get((self.cut(tick_s), gap_ticks, sides), || {
+            let angles = &self.replay(tick_s).angles;
+            // The places of trials leave the margin free, whatever fillers read.
+            let unread = MARGIN - sides;
+            window_means(&angles[unread..angles.len() - unread], gap_ticks as usize + 2 * sides).into()
+        })
+    }
+
+    /// Variance of the angles of all ticks, ″².
+    pub(crate) fn variance(&self, tick_s: f64) -> f64 {
+        VARIANCES.get(self.cut(tick_s), || {
+            let angles = self.tick_angles(tick_s);
+            let count = angles.len().max(1) as f64;
+            let mean = angles.iter().sum::<f64>() / count;
+            angles.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count
+        })
+    }
+}
+
+/// Means over all windows of `width` ticks; 0 where there is none.
+fn window_means(x: &[f64], width: usize) -> WindowMeans {
+    let mut ticks = vec![Double::default(); width];
+    let mut products = vec![vec![Double::default(); width]; width];
+    let Some(windows) = (x.len() + 1).checked_sub(width).filter(|windows| *windows > 0) else {
+        return WindowMeans { ticks, products };
+    };
+    for j in 0..width {
+        let later = &x[j..j + windows];
+        ticks[j] = later.iter().fold(Double::default(), |sum, x| sum + Double::from(*x));
+        let pairs = x[..windows].iter().zip(later);
+        products[0][j] = pairs.fold(Double::default(), |sum, (a, b)| sum + Double::product(*a, *b));
+        // Along a diagonal each window leaves its first product and takes one more.
+        for i in 1..width - j {
+            products[i][i + j] = products[i - 1][i + j - 1] - Double::product(x[i - 1], x[i + j - 1])
+                + Double::product(x[windows + i - 1], x[windows + i + j - 1]);
+        }
+    }
+    let part = Double::from(1.0 / windows as f64);
+    ticks.iter_mut().for_each(|sum| *sum = *sum * part);
+    products.iter_mut().flatten().for_each(|sum| *sum = *sum * part);
+    for (i, j) in (0..width).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        products[i][j] = products[j][i];
+    }
+    WindowMeans { ticks, products }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_means_over_all_windows() {
+        let x: Vec<f64> = (0..40).map(|k| libm::sin(f64::from(k * k))).collect();
+        let found = window_means(&x, 7);
+        for (i, j) in (0..7).flat_map(|i| (0..7).map(move |j| (i, j))) {
+            let expected = (0..34).map(|s| x[s + i] * x[s + j]).sum::<f64>() / 34.0;
+            let found = found.products[i][j].value();
+            assert!((found - expected).abs() < 1e-14, "{i}, {j}: {found}, not {expected}");
+        }
+        assert_eq!(window_means(&x[..6], 7).products[0][0], Double::default());
     }
 }

@@ -1,25 +1,26 @@
-//! Sampling of the trials that the store lacks of some launches, batch by batch.
+//! Sampling of the trials and records that the store lacks, batch by batch; a batch is stored while the device works on the next.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
+use std::thread;
 
 use rayon::prelude::*;
 
 use crate::device::Job;
-use crate::key::refusal::Refusal;
-use crate::sampling::found::Found;
-use crate::sampling::plan::RunError;
-use crate::sampling::worker::Worker;
-use crate::sampling::writer::while_storing;
+use crate::key::Unrepresentable;
+use crate::sampling::{Found, RunError, RunStats, Worker};
 use crate::store::error::StoreError;
-use crate::store::index::Index;
-use crate::store::{Address, Provenance, Row, Store};
-use crate::tally::block::{Block, cover, fold, missing};
+use crate::store::{Address, Index, Provenance, Row, Store, Tally};
+use crate::tally::{Block, Share, base_log2, cover, fold, missing};
 use sagnac_base::progress::Progress;
 use sagnac_base::stopwatch::Stopwatch;
+use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::moments::Moments;
+use sagnac_kernel::rows::Rows;
 
 /// A launch, with the addresses of the tallies of its estimates.
 pub(crate) type Addressed = (Launch, Vec<Address>);
@@ -27,7 +28,7 @@ pub(crate) type Addressed = (Launch, Vec<Address>);
 /// The missing blocks of a launch.
 pub(crate) struct Work<'a> {
     /// Makes the launch for the batches that need it, because those of a hundred thousand points take much memory.
-    launch: Box<dyn Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a>,
+    launch: Box<dyn Fn() -> Result<Addressed, Unrepresentable> + Send + Sync + 'a>,
     /// Steps of one trial.
     steps: u64,
     pub(crate) blocks: Vec<Block>,
@@ -36,7 +37,7 @@ pub(crate) struct Work<'a> {
 impl<'a> Work<'a> {
     pub(crate) fn new(
         steps: u64,
-        launch: impl Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a,
+        launch: impl Fn() -> Result<Addressed, Unrepresentable> + Send + Sync + 'a,
         blocks: Vec<Block>,
     ) -> Work<'a> {
         Work { steps, launch: Box::new(launch), blocks }
@@ -52,7 +53,7 @@ impl<'a> Work<'a> {
 const MAX_JOBS: usize = 1024;
 
 /// Target duration of a batch in seconds, after which results are on disk.
-pub(crate) const BATCH_SECONDS: f64 = 0.3;
+const BATCH_SECONDS: f64 = 0.3;
 
 /// log2 of the most steps of a block. Losing a block with its batch, or waiting for it after a signal, then costs
 /// seconds at most.
@@ -184,7 +185,7 @@ impl Launches {
     ///
     /// # Errors
     /// A point is refused, which a run has proven to fit.
-    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Refusal> {
+    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Unrepresentable> {
         let mut missing = HashSet::new();
         let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
         let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
@@ -193,7 +194,7 @@ impl Launches {
             self.made.retain(|work, _| needed.contains(work));
         }
         let launch = |work: &&Work| Ok((place(work), Arc::new((work.launch)()?)));
-        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Refusal>>()?);
+        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Unrepresentable>>()?);
         Ok(batch.iter().map(|(work, _)| self.made[&place(work)].clone()).collect())
     }
 }
@@ -227,4 +228,144 @@ fn take_batch<'a>(rest: &mut Vec<Piece<'a>>, steps: u64) -> Vec<Piece<'a>> {
         batch.push(next);
     }
     batch
+}
+
+/// Stores the rows of a batch after those of the batch before. Returns whether to go on: not after rows could not be stored.
+pub(crate) type Storing<'a, T> = &'a mut dyn FnMut(Vec<Row<T>>, Provenance) -> bool;
+
+/// Runs `sample`, whose rows are stored on a thread of their own, and returns when all are stored.
+///
+/// # Errors
+/// Rows cannot be stored, or `sample` fails; all rows that it handed over before are stored.
+fn while_storing<T: Tally + Send, R>(
+    store: &mut Store,
+    sample: impl FnOnce(Storing<T>) -> Result<R, RunError>,
+) -> Result<R, RunError> {
+    let mut insert = |(rows, so_far): (Vec<Row<T>>, Provenance)| store.insert(&rows, Some(&so_far));
+    if cfg!(target_family = "wasm") {
+        // A page has no threads.
+        let mut stored = Ok(());
+        let sampled = sample(&mut |rows, so_far| {
+            stored = insert((rows, so_far));
+            stored.is_ok()
+        });
+        return stored.map_err(RunError::from).and(sampled);
+    }
+    thread::scope(|scope| {
+        // A channel without room: a batch waits while the one before is stored, and no third one is begun.
+        let (sender, receiver) = sync_channel(0);
+        let stored = scope.spawn(move || receiver.into_iter().try_for_each(insert));
+        let sampled = sample(&mut |rows, so_far| sender.send((rows, so_far)).is_ok());
+        drop(sender);
+        stored.join().unwrap_or_else(|panic| resume_unwind(panic))?;
+        sampled
+    })
+}
+
+/// The records of a point, as far as the store needs to know them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Records {
+    /// Address of their values.
+    pub(crate) address: Address,
+    /// Samples of a record.
+    pub(crate) samples: u64,
+    /// Integers of a record.
+    pub(crate) width: usize,
+}
+
+/// The records of all points of a study.
+pub(crate) struct Wanted<'a> {
+    /// Records of each point.
+    pub(crate) trials: u64,
+    /// The points, in order.
+    pub(crate) points: &'a [Records],
+    /// What makes the records of a point, by its place. It is asked whenever it is needed, because its tables may be large.
+    pub(crate) recipe: &'a dyn Fn(usize) -> Result<Arc<dyn Recorded>, Unrepresentable>,
+}
+
+impl Wanted<'_> {
+    /// The points in order, without those whose draws and sums are the same as those of an earlier one.
+    fn distinct(&self) -> impl Iterator<Item = (usize, &Records)> {
+        let is_first = |(turn, records): &(usize, &Records)| {
+            self.points[..*turn].iter().all(|before| before.address != records.address)
+        };
+        self.points.iter().enumerate().filter(is_first)
+    }
+
+    /// The records that the store lacks of a share, each with the place of its point.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<(usize, Range<u64>)>, StoreError> {
+        let index = store.index()?;
+        let mut lacking = Vec::new();
+        for (turn, records) in self.distinct() {
+            let gaps = missing(index.blocks(&records.address)?, share.trials(self.trials, turn));
+            lacking.extend(gaps.into_iter().map(|gap| (turn, gap)));
+        }
+        Ok(lacking)
+    }
+
+    /// Number of records that the store lacks of a share.
+    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
+    }
+
+    /// Makes the records that the store lacks of a share. Each batch is stored as soon as it is complete.
+    pub(crate) fn sample(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<RunStats, RunError> {
+        let (trials, started) = (self.trials, Stopwatch::start());
+        let lacking = self.missing(store, share)?;
+        let samples = |turn: usize, gap: Range<u64>| (gap.end - gap.start) * self.points[turn].samples;
+        let left: u64 = lacking.iter().map(|(turn, gap)| samples(*turn, gap.clone())).sum();
+        let all = self.distinct().map(|(turn, _)| samples(turn, share.trials(trials, turn)));
+        let total = all.sum::<u64>().max(left);
+        progress.start("samples", total - left, total);
+        let (mut batch_samples, mut made, mut stopped) = (worker.first_batch(), 0, false);
+        while_storing(store, |stored| {
+            'points: for (turn, gap) in lacking {
+                let recipe = (self.recipe)(turn)?;
+                let point = &self.points[turn];
+                let mut first = gap.start;
+                while first < gap.end {
+                    stopped = progress.stops();
+                    if stopped {
+                        break 'points;
+                    }
+                    let batch_started = Stopwatch::start();
+                    let records = (batch_samples / point.samples).max(worker.records_at_once());
+                    // Whole blocks where a batch contains some, smaller ones for very long records.
+                    let align = 1 << base_log2(trials).min(records.ilog2());
+                    let batch = first..gap.end.min((first + records).next_multiple_of(align));
+                    let advance = |records| progress.advance(records * point.samples);
+                    let sums = worker.sums(&*recipe, batch.clone(), &advance)?;
+                    made += batch.end - batch.start;
+                    first = batch.end;
+                    let seconds = started.seconds();
+                    let so_far = Provenance { device: worker.name(), trials: made, seconds };
+                    if !stored(point.rows(batch, base_log2(trials), &sums), so_far) {
+                        break 'points;
+                    }
+                    let factor = BATCH_SECONDS / batch_started.seconds().max(1e-3);
+                    batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
+                }
+            }
+            Ok(())
+        })?;
+        Ok(RunStats { trials: made, seconds: started.seconds(), stopped, degraded: vec![] })
+    }
+}
+
+impl Records {
+    /// The rows of consecutive records, from their values, in blocks of at most 2^`largest`.
+    pub(crate) fn rows(&self, records: Range<u64>, largest: u32, values: &[u128]) -> Vec<Row<Rows>> {
+        let (first, width) = (records.start, self.width);
+        let row = |block: Block| {
+            let [from, to] = [block.first, block.end()].map(|at| (at - first) as usize * width);
+            Row { address: self.address, block, tally: Rows { width, values: values[from..to].to_vec() } }
+        };
+        cover(records, largest).into_iter().map(row).collect()
+    }
 }

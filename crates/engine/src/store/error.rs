@@ -11,7 +11,7 @@ use rusqlite::ErrorCode;
 #[cfg(feature = "store")]
 use crate::store::lock::Holder;
 use crate::store::{FILE, SCHEMA_VERSION};
-use crate::tally::id::Id;
+use crate::tally::Id;
 
 /// An error of the results on disk, with what to do about it.
 #[derive(Debug, thiserror::Error)]

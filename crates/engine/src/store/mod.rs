@@ -7,7 +7,7 @@
 //!
 //! ```
 //! # use sagnac_base::progress::Silent;
-//! # use sagnac_engine::{run::Plan, study::Study, tally::share::Share, verify::select};
+//! # use sagnac_engine::{run::Plan, study::Study, tally::Share, verify::select};
 //! use sagnac_engine::store::{FILE, Source, Store};
 //! # let text = "title = \"Noise\"\nkind = \"gap-fill\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n\
 //! #     [motion]\nrate = \"0 deg/s\"\n[switching]\ngap_ticks = 2\nfillers = [\"const\"]\nerrors = [\"residual\"]\n";
@@ -30,54 +30,40 @@
 //! ```
 
 #[cfg(feature = "store")]
-pub mod check;
-#[cfg(feature = "store")]
 pub(crate) mod database;
-pub(crate) mod encoding;
 pub mod error;
 #[cfg(feature = "store")]
 pub mod folder;
-pub(crate) mod index;
 #[cfg(feature = "store")]
 pub(crate) mod lock;
-mod memory;
 pub(crate) mod row;
-#[cfg(feature = "store")]
-pub(crate) mod schema;
-#[cfg(feature = "store")]
-pub(crate) mod session;
 #[cfg(feature = "store")]
 pub mod source;
 #[cfg(all(test, feature = "store"))]
 mod tests;
-use std::collections::HashSet;
+
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-#[cfg(feature = "store")]
-use std::sync::Arc;
 
 use rayon::prelude::*;
 
-#[cfg(feature = "store")]
-pub use crate::store::check::Report;
 #[cfg(feature = "store")]
 use crate::store::database::Database;
 pub use crate::store::error::StoreError;
 #[cfg(feature = "store")]
 use crate::store::folder::Folder;
-pub use crate::store::index::Index;
 #[cfg(feature = "store")]
 use crate::store::lock::Lock;
 #[cfg(feature = "store")]
 pub use crate::store::lock::{Holder, LOCK};
-use crate::store::memory::Memory;
-use crate::store::row::Raw;
+use crate::store::row::{NO_BLOCK, Raw};
 #[cfg(feature = "store")]
-pub use crate::store::source::{Merged, Source};
-use crate::tally::block::{Block, fold};
-use crate::tally::id::Id;
-use crate::tally::share::Share;
+pub use crate::store::source::{Merged, Report, Source};
+use crate::tally::{Block, Id, Share, fold};
 use sagnac_kernel::moments::Moments;
 use sagnac_kernel::rows::Rows;
+#[cfg(feature = "store")]
+use std::sync::Arc;
 
 /// Name of the file of a results folder that has what a gallery shows of it.
 pub const CARD: &str = "card.json";
@@ -430,4 +416,145 @@ fn added_up(rows: &[Raw], path: &Path) -> Result<Moments, StoreError> {
         raw.add_to(&mut total, path)?;
     }
     Ok(total)
+}
+
+/// The blocks of all rows, read at once to avoid a query for each of thousands of points.
+#[derive(Debug)]
+pub struct Index {
+    path: PathBuf,
+    /// The address of each tally, by point and estimate, with the place behind its last block.
+    held: Vec<(Address, usize)>,
+    /// The blocks of all tallies, one tally after the other.
+    blocks: Vec<Block>,
+}
+
+impl Store {
+    /// The trials held now. Only the keys of rows are read, not their tallies, which were checked when the store was
+    /// opened and are checked again when they are read.
+    ///
+    /// # Errors
+    /// A key is invalid, rows of a tally were computed from different parameters, or the disk fails.
+    pub fn index(&self) -> Result<Index, StoreError> {
+        let mut keys = self.keep.keys()?;
+        // A database gives them in this order already, and a stable sort then takes one look at each.
+        keys.sort_by_key(|(address, _)| (address.point, address.estimate));
+        let mut index =
+            Index { path: self.path.clone(), held: Vec::new(), blocks: Vec::with_capacity(keys.len()) };
+        for (address, block) in keys {
+            let Address { point, estimate, digest } = address;
+            if !block.is_aligned() {
+                let (path, first) = (index.path, block.first);
+                return Err(StoreError::DamagedRow { path, point, estimate, first, what: NO_BLOCK });
+            }
+            index.blocks.push(block);
+            let end = index.blocks.len();
+            match index.held.last_mut() {
+                Some((last, behind)) if (last.point, last.estimate) == (point, estimate) => {
+                    if last.digest != digest {
+                        return Err(index.disagrees(&address, block));
+                    }
+                    *behind = end;
+                }
+                _ => index.held.push((address, end)),
+            }
+        }
+        Ok(index)
+    }
+}
+
+impl Index {
+    /// The points of which rows are held.
+    pub fn points(&self) -> HashSet<Id> {
+        self.held.iter().map(|(address, _)| address.point).collect()
+    }
+
+    /// The blocks held of a tally, as written.
+    ///
+    /// # Errors
+    /// They were computed from other parameters.
+    pub fn blocks(&self, address: &Address) -> Result<&[Block], StoreError> {
+        let key = (address.point, address.estimate);
+        let Ok(place) = self.held.binary_search_by_key(&key, |(own, _)| (own.point, own.estimate)) else {
+            return Ok(&[]);
+        };
+        let start = place.checked_sub(1).map_or(0, |before| self.held[before].1);
+        let (own, end) = &self.held[place];
+        let blocks = &self.blocks[start..*end];
+        if own.digest == address.digest { Ok(blocks) } else { Err(self.disagrees(address, blocks[0])) }
+    }
+
+    /// The number of trials held of a tally, if they are its first ones.
+    ///
+    /// # Errors
+    /// Those of [`Index::blocks`].
+    pub fn trials(&self, address: &Address) -> Result<Option<u64>, StoreError> {
+        let blocks = fold(self.blocks(address)?.iter().map(|&block| (block, ())).collect());
+        let end = blocks.last().map_or(0, |(block, ())| block.end());
+        let held: u64 = blocks.iter().map(|(block, ())| block.trials()).sum();
+        Ok((held == end).then_some(end))
+    }
+
+    fn disagrees(&self, address: &Address, block: Block) -> StoreError {
+        let Address { point, estimate, .. } = *address;
+        StoreError::Disagrees { path: self.path.clone(), point, estimate, first: block.first }
+    }
+}
+
+/// Rows by point and estimate.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    rows: HashMap<(Id, Id), Vec<Raw>>,
+    shares: Vec<Share>,
+    provenance: Option<Provenance>,
+}
+
+impl Keep for Memory {
+    fn note_share(&mut self, share: Share) -> Result<(), StoreError> {
+        self.shares.push(share);
+        Ok(())
+    }
+
+    fn shares(&self) -> Result<Vec<Share>, StoreError> {
+        Ok(self.shares.clone())
+    }
+
+    fn insert(&mut self, rows: &[Raw], so_far: Option<&Provenance>, from: &Path) -> Result<u64, StoreError> {
+        let mut added = Vec::new();
+        for raw in rows {
+            let held =
+                self.rows.get(&(raw.address.point, raw.address.estimate)).map_or(&[][..], Vec::as_slice);
+            if held.iter().any(|held| held.address != raw.address) {
+                return Err(raw.disagrees(from));
+            }
+            match held.iter().find(|held| held.block == raw.block) {
+                Some(held) if held != raw => return Err(raw.disagrees(from)),
+                Some(_) => {}
+                None => added.push(raw),
+            }
+        }
+        for raw in &added {
+            let held = self.rows.entry((raw.address.point, raw.address.estimate)).or_default();
+            // Equal points of a study have the same rows, and may have sampled both.
+            if held.iter().all(|held| held.block != raw.block) {
+                held.push((*raw).clone());
+            }
+        }
+        if let Some(so_far) = so_far {
+            self.provenance = Some(so_far.clone());
+        }
+        Ok(added.len() as u64)
+    }
+
+    fn rows(&self, addresses: &[Address]) -> Result<Vec<Vec<Raw>>, StoreError> {
+        let of = |address: &Address| self.rows.get(&(address.point, address.estimate)).cloned();
+        Ok(addresses.iter().map(|address| of(address).unwrap_or_default()).collect())
+    }
+
+    fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {
+        Ok(self.rows.values().flatten().map(|raw| (raw.address, raw.block)).collect())
+    }
+
+    fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
+        Ok(self.provenance.iter().cloned().collect())
+    }
 }

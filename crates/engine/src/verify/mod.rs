@@ -4,31 +4,39 @@
 //! let mut kernels = Vec::new();
 //! let identical = sagnac_engine::verify::verify(&mut [], 1000, |verdict| kernels.push(verdict.kernel))?;
 //! assert!(identical && kernels.contains(&"gap_fill"));
-//! # Ok::<(), sagnac_engine::device::error::GpuError>(())
+//! # Ok::<(), sagnac_engine::device::GpuError>(())
 //! ```
 
-pub mod measured;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use sha2::{Digest, Sha256};
 
-use crate::device::cpu::Cpu;
-use crate::device::error::GpuError;
-use crate::device::load::{Load, Work};
 use crate::device::select::{self, SelectError, Selection, SelfTest};
-use crate::device::{Device, Job};
+use crate::device::{Cpu, Device, GpuError, Job, Work, Workload};
 use crate::kinds::KINDS;
-use crate::tally::block::{base_log2, cover};
+use crate::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
+use crate::kinds::gap_fill::verify::configurations;
+use crate::kinds::lock_in::verify::{checked, lowered};
+use crate::kinds::navigation::verify::navigator;
+use crate::kinds::navigation::{self, Solution};
+use crate::kinds::relock::Compensation;
+use crate::kinds::relock::verify::{launches_of, relock};
+use crate::kinds::switched_run::verify::hour_launches;
+use crate::tally::{base_log2, cover};
 use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::launch::Launch;
 use sagnac_kernel::map::Map;
 use sagnac_kernel::moments::{Moments, Trials};
 use sagnac_kernel::width::Width;
 use sagnac_kernel::word::Scalar;
 use sagnac_kernel::{Form, KERNELS, Kernel, philox};
+use sagnac_theory::allan::estimator::Estimator;
 
 /// The loads on which a kernel is checked; a building block has none.
-pub fn loads(kernel: &Kernel) -> Vec<Load> {
+pub fn loads(kernel: &Kernel) -> Vec<Workload> {
     KINDS.iter().flat_map(|kind| (kind.loads)()).filter(|load| load.kernel() == kernel.name).collect()
 }
 
@@ -113,7 +121,7 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
         }
         Form::Moments | Form::Records => {
             let loads = loads(kernel);
-            for Load { name, work, .. } in &loads {
+            for Workload { name, work, .. } in &loads {
                 let units = units.div_ceil(loads.len() as u64);
                 let reference = on_cpu(Width::PORTABLE, work, units)?;
                 for width in Width::available() {
@@ -161,7 +169,7 @@ fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
             }
             Form::Moments | Form::Records => {
                 let mut same = true;
-                for Load { work, self_test_units, .. } in &loads(kernel) {
+                for Workload { work, self_test_units, .. } in &loads(kernel) {
                     if let &Some(units) = self_test_units {
                         same &= on_device(device, work, units)? == on_cpu(Width::PORTABLE, work, units)?;
                     }
@@ -237,4 +245,87 @@ fn of_tallies(tallies: &[Moments]) -> Vec<u8> {
         bytes.extend(bins.iter().flat_map(|bin| bin.to_le_bytes()));
     }
     bytes
+}
+
+/// A measured kernel.
+pub struct Measured {
+    /// The kernel.
+    pub kernel: &'static str,
+    /// Name of what is sampled.
+    pub configuration: &'static str,
+    /// What a rate counts: trials, runs, samples or steps.
+    pub unit: &'static str,
+    /// What is sampled.
+    pub work: Work,
+    /// Whether the tallies have histograms.
+    pub histogram: bool,
+}
+
+/// Gap-fill configurations: those of `verify`, and whether they have a histogram as in studies.
+const GAP_FILLS: [(&str, bool); 5] = [
+    ("paper", false),
+    ("paper", true),
+    ("minimum-variance", false),
+    ("eight-tones", false),
+    ("profile", false),
+];
+
+/// Records of nine hours at 1 Hz, with differences spaced by a 64th of τ, and at every sample.
+const RECORDS: [(&str, Estimator); 2] =
+    [("lgk-400, overlap m/64", THINNED), ("lgk-400, full overlap", Estimator::OVERLAPPING)];
+const SAMPLES: u64 = 32_400;
+
+/// Records of ten seconds of a dithered gyro.
+const GYRO_SAMPLES: u64 = 4000;
+
+/// All measured loads.
+pub fn measured() -> Vec<Measured> {
+    let mut measured = Vec::new();
+    let mut trials = |kernel, configuration, unit, launches: Vec<Launch>, histogram| {
+        let work = launches.into_iter().next().map(Work::Trials);
+        measured.extend(work.map(|work| Measured { kernel, configuration, unit, work, histogram }));
+    };
+    let all = configurations();
+    for (name, histogram) in GAP_FILLS {
+        let found = all.iter().find(|configuration| configuration.name == name);
+        let launches = found.map(|configuration| configuration.launches()).unwrap_or_default();
+        trials("gap_fill", name, "trials", launches, histogram);
+    }
+    trials("switched_run", "one hour, MT = 40 s, 89 or 90 switches", "runs", hour_launches(), true);
+    for compensation in Compensation::ALL {
+        let launches = launches_of(&relock(), compensation);
+        trials("relock", compensation.name(), "trials", launches, false);
+    }
+    for (configuration, estimator) in RECORDS {
+        let (parts, samples) = (lgk_400(), SAMPLES);
+        let named = NamedRecords {
+            name: configuration,
+            parts,
+            readout_lsb: 0.0,
+            switching: None,
+            samples,
+            estimator,
+        };
+        let work = Work::Records(Arc::new(named.lowered().recipe().clone()));
+        let (kernel, unit, histogram) = ("allan", "samples", false);
+        measured.push(Measured { kernel, configuration, unit, work, histogram });
+    }
+    let gyros = lowered(&checked(), 1, GYRO_SAMPLES, THINNED);
+    measured.push(Measured {
+        kernel: "lock_in",
+        configuration: "400 Hz, 450 rad, amplitude noise",
+        unit: "steps",
+        work: Work::Records(gyros.shared()),
+        histogram: false,
+    });
+    // The north gyro, with seven functionals.
+    let navigator = navigator(Solution::Inertial, navigation::verify::lgk_400(), SAMPLES as f64);
+    measured.extend(navigator.gyros.into_iter().next().map(|gyro| Measured {
+        kernel: "navigation",
+        configuration: "lgk-400, inertial",
+        unit: "samples",
+        work: Work::Records(Arc::new(gyro.navigation)),
+        histogram: false,
+    }));
+    measured
 }

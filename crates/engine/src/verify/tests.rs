@@ -31,7 +31,7 @@ pub struct Text {
 
 /// Every shader of every kernel.
 fn texts(variant: Variant) -> Vec<Text> {
-    let of_load = |Load { name, work, .. }: Load| match &work {
+    let of_load = |Workload { name, work, .. }: Workload| match &work {
         Work::Trials(launch) => {
             assert_eq!(launch.words().len(), launch.sampled().words(), "{name}");
             let parameters = Some(4 * launch.words().len());
@@ -81,7 +81,7 @@ fn every_shader_of_every_kernel_is_valid_and_laid_out_as_in_rust() {
             assert!(normals.is_none_or(|size| size == size_of::<sagnac_kernel::word::PairTable>()));
             #[cfg(feature = "gpu")]
             if let Some(size) = size(&module, named("jobs")) {
-                assert_eq!(size, size_of::<crate::device::gpu::tile::Job>(), "one element of the array");
+                assert_eq!(size, size_of::<crate::device::gpu::tile::TileJob>(), "one element of the array");
             }
             let shared = size(&module, named("shared_words")).unwrap_or(0);
             // The limit that every device guarantees.
@@ -120,7 +120,7 @@ mod backend {
     pub use naga::valid::ModuleInfo;
 
     use super::*;
-    use crate::device::gpu::resource::runtime_checks;
+    use crate::device::gpu::runtime_checks;
 
     /// How wgpu's backends for Vulkan, Metal and DX12 write a module.
     type Write = fn(&naga::Module, &ModuleInfo, Variant) -> Vec<u8>;

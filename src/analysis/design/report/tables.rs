@@ -8,10 +8,9 @@ use crate::analysis::design::{Design, Filler, Measure, Tried, Variant};
 use crate::view::from_table;
 use sagnac_base::table::{Cell, Column, ColumnOf, Role, Table, Unit};
 use sagnac_engine::chart::{Chart, Shows};
-use sagnac_engine::filler::FILLERS;
-use sagnac_engine::filler::closed::LISTED;
+use sagnac_engine::filler::{FILLERS, LISTED};
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::kinds::table::table as table_of;
+use sagnac_engine::kinds::plan::table as table_of;
 use sagnac_report::chart::figure::{Figure, Mark, Shape};
 use sagnac_report::chart::notes::ChartError;
 

@@ -5,11 +5,10 @@ use crate::analysis::design::report::{called, ends, four_digits};
 use crate::analysis::design::result::Choice;
 use crate::analysis::design::{Cost, Design, Filler, Found, Measure, PapersRule, Variant};
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_engine::filler::FILLERS;
-use sagnac_engine::filler::closed::LISTED;
-use sagnac_engine::key::scale::Scale;
+use sagnac_engine::filler::{FILLERS, LISTED};
+use sagnac_engine::key::sweep::Scale;
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::kinds::table::table as table_of;
+use sagnac_engine::kinds::plan::table as table_of;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use sagnac_report::chart::styles::of_names;
 

@@ -2,7 +2,7 @@
 
 use crate::analysis::decision::{Sheet, short};
 use crate::analysis::design::{Design, Filler, Variant};
-use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Swept;
 
 /// Each value of a variant with the label of its key, such as `time constant of the loop 3 ms`.
 pub(crate) fn told(found: &Design, variant: &Variant) -> Vec<String> {

@@ -1,14 +1,27 @@
-//! The columns of a study of Allan curves, with a row for each point and averaging time, and of its coefficients.
+//! The columns and notes of a study of Allan curves, and what it estimates: a row for each point and averaging time, and of its
+//! coefficients.
 
-use crate::kinds::allan::point::Point;
-use crate::kinds::allan::run::coefficients::Found;
-use crate::kinds::allan::run::curves::Scatter;
-use crate::kinds::table::Values;
-use crate::tally::stats::{NORMAL_95, z_score};
+use rayon::prelude::*;
+
+use crate::key::document::{SpannedValue, Table as StudyTable};
+use crate::key::{ValueType, unlimited};
+use crate::kinds::allan::run::{Found, Scatter};
+use crate::kinds::allan::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap, Point, TAU};
+use crate::kinds::plan::Values;
+use crate::noise::{self, Noise};
+use crate::tally::{NORMAL_95, z_score};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::units::Dimension;
+use sagnac_base::source::diagnose::{Fault, choices};
 use sagnac_base::table::column::Band;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit, Usual};
+use sagnac_kernel::rows::Rows;
+use sagnac_records::allan::tau::Taus;
 use sagnac_records::allan::unit::Unit as Angles;
+use sagnac_records::fit::choose::Terms;
 use sagnac_records::fit::quantity::Quantity;
+use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac_theory::allan::terms::Term;
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {
@@ -145,4 +158,208 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
             .is(Role::Note, "Verdict on the coefficient from all records, in words.")
             .brief(),
     ]
+}
+
+/// Relative rounding of an interval that needs no note.
+const ROUNDED: f64 = 1e-9;
+/// Most intervals whose rounding is listed.
+const MAX_LISTED: usize = 3;
+/// °/√h of 1 ″/√s.
+const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
+
+/// All notes, each a sentence; `terms` are the fitted ones.
+pub(crate) fn of(terms: Option<&Terms>, points: &[Point]) -> Vec<String> {
+    let unfitted = terms.and_then(|terms| unfitted(terms, points));
+    let switching = terms.and_then(|_| switching(points));
+    let gyros = points.iter().filter_map(|Point { inputs, .. }| Some((inputs.noise.lock_in?, inputs.rate)));
+    rounded(points).into_iter().chain(noise::note(gyros)).chain(unfitted).chain(switching).collect()
+}
+
+/// Intervals between switches that are not whole numbers of samples.
+fn rounded(points: &[Point]) -> Option<String> {
+    let mut intervals: Vec<String> = Vec::new();
+    for point in points {
+        let sample_s = point.inputs.sample_s;
+        let Some(asked) = point.inputs.noise.switching else { continue };
+        let taken_s = asked.interval(sample_s) as f64 * sample_s;
+        if (taken_s - asked.interval_s).abs() > ROUNDED * taken_s {
+            let interval = format!("{} s as {} s", significant(asked.interval_s, 6), significant(taken_s, 6));
+            if !intervals.contains(&interval) {
+                intervals.push(interval);
+            }
+        }
+    }
+    let more = intervals.len().saturating_sub(MAX_LISTED);
+    intervals.truncate(MAX_LISTED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!intervals.is_empty()).then(|| {
+        format!("noise.switching.interval is taken as whole samples: {}{more}", intervals.join(", "))
+    })
+}
+
+/// The coefficients of a fit that absorb switching.
+fn switching(points: &[Point]) -> Option<String> {
+    let switched = || {
+        points.iter().filter_map(|point| {
+            Some((point.inputs.sample_s, point.inputs.noise.switched(point.inputs.sample_s)?))
+        })
+    };
+    let walks = switched().filter_map(|(t0, switching)| Some(switching.jumps()?.angle_random_walk(t0)));
+    let [least, most] = walks.fold([f64::INFINITY, 0.0_f64], |[least, most], n| [least.min(n), most.max(n)]);
+    let residuals = (most > 0.0).then(|| {
+        let [least, most] = [least, most].map(|n| significant(DEG_PER_SQRT_H * n, 3));
+        let n = if least == most { most } else { format!("{least} to {most}") };
+        format!("fill residuals as an angle random walk of {n} °/√h at averaging times above the interval")
+    });
+    let drift = switched().any(|(_, switching)| switching.drifts()).then(|| {
+        "the alternating drift, highest at averaging times from half an interval to a whole one, as B and K, and at \
+         intervals of some 10 samples as N"
+            .to_owned()
+    });
+    let seen: Vec<String> = residuals.into_iter().chain(drift).collect();
+    (!seen.is_empty()).then(|| {
+        format!("no term of the fit models switching, other coefficients absorb it: {}", seen.join(", "))
+    })
+}
+
+/// Parts of the noise that no fitted term covers.
+fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
+    let has =
+        |term: Term, noise: &Noise| noise.has(term) || term == Term::Quantization && noise.readout_lsb > 0.0;
+    let is_unfitted = |term: &Term| {
+        !terms.all().contains(term) && points.iter().any(|point| has(*term, &point.inputs.noise))
+    };
+    // The angle random walk comes first, as every gyro has one.
+    let walk = [Term::AngleRandomWalk];
+    let all = walk.into_iter().chain(Term::EVERY.into_iter().filter(|term| !walk.contains(term)));
+    let found: Vec<String> = all.filter(is_unfitted).map(|term| term.row().name.concat()).collect();
+    (!found.is_empty()).then(|| {
+        format!("the noise has {}, which is not fitted: other coefficients absorb it", found.join(", "))
+    })
+}
+
+/// The estimates made from each record.
+pub(crate) struct Estimate {
+    pub(crate) taus: Taus,
+    pub(crate) estimator: Estimator,
+    pub(crate) terms: Option<Terms>,
+}
+
+/// Differences within an averaging time where not all are used.
+const PARTS: u64 = 64;
+
+const TIMES: ValueType = unlimited(&[Dimension::Time]);
+
+/// Reads `[allan]`, with defaults for absent keys.
+pub(crate) fn read(study: &StudyTable) -> Result<Estimate, Fault> {
+    let estimator = estimator(study)?;
+    let terms = study.get(&FIT).map(|fit| terms(fit, estimator.difference)).transpose()?;
+    Ok(Estimate { taus: study.get(&TAU).map_or(Ok(Taus::Octave), taus)?, estimator, terms })
+}
+
+fn estimator(study: &StudyTable) -> Result<Estimator, Fault> {
+    let overlap = study.get(&OVERLAP);
+    let stride = match Overlap::of(overlap) {
+        Overlap::Full => Stride::Sample,
+        Overlap::Part64 => Stride::Part(PARTS),
+    };
+    match (EstimatorName::of(study.get(&ESTIMATOR)), overlap) {
+        (EstimatorName::Overlapping, _) => Ok(Estimator { stride, ..Estimator::OVERLAPPING }),
+        (EstimatorName::Hadamard, _) => Ok(Estimator { stride, ..Estimator::HADAMARD }),
+        (EstimatorName::NonOverlapping, None) => Ok(Estimator::NON_OVERLAPPING),
+        (EstimatorName::NonOverlapping, Some(overlap)) => {
+            let message = "allan.overlap conflicts with estimator = \"non-overlapping\"";
+            Err(overlap.fault(message, "nothing overlaps", "leave one of them out"))
+        }
+    }
+}
+
+fn taus(written: SpannedValue) -> Result<Taus, Fault> {
+    const NAMED: [(&str, Taus); 3] =
+        [("octave", Taus::Octave), ("decade10", Taus::Decade(10)), ("decade20", Taus::Decade(20))];
+    if !written.is_list() {
+        let (text, names) = (written.text(), NAMED.map(|(name, _)| name));
+        let named = NAMED.into_iter().find(|(name, _)| *name == text);
+        return named.map(|(_, taus)| taus).ok_or_else(|| {
+            let message = format!("allan.tau = {written} is not a list of averaging times");
+            let help = format!("{}, or a list of times as in [\"1 s\", \"10 s\"]", choices(text, &names));
+            written.fault(message, "not a list of times", help)
+        });
+    }
+    let tau = |time: SpannedValue| match time.read(&TIMES)? {
+        tau if tau.value > 0.0 => Ok((tau.to_string(), tau.value)),
+        tau => Err(time.fault(format!("allan.tau lists {tau}"), "not above 0", "give times above 0")),
+    };
+    let seconds = written.distinct(tau, "leave it out here")?;
+    if seconds.is_empty() {
+        let help = "give one time or more, as in [\"1 s\", \"10 s\"]";
+        return Err(written.fault("allan.tau is empty", "no times", help));
+    }
+    Ok(Taus::Seconds(seconds))
+}
+
+fn terms(written: SpannedValue, difference: Difference) -> Result<Terms, Fault> {
+    // Third differences cancel a ramp.
+    let is_seen = |term: &Term| difference == Difference::Second || *term != Term::RateRamp;
+    if !written.is_list() {
+        if written.text() == "auto" {
+            return Ok(Terms::Auto(Term::MODEL.into_iter().filter(is_seen).collect()));
+        }
+        let message = format!("allan.fit = {written} names no terms");
+        return Err(written.fault(message, "not auto and not a list", help("")));
+    }
+    let term = |name: SpannedValue| match Term::ALL.into_iter().find(|term| term.symbol() == name.text()) {
+        Some(term) if is_seen(&term) => Ok((name.to_string(), term)),
+        Some(_) => {
+            let message = "allan.fit: the Hadamard variance does not see a rate ramp R";
+            let help = "leave R out, or take estimator = \"overlapping\"";
+            Err(name.fault(message, "not in this variance", help))
+        }
+        None => Err(name.fault(format!("allan.fit: {name} is not a term"), "not a term", help(name.text()))),
+    };
+    let terms = written.distinct(term, "leave it out here")?;
+    if terms.is_empty() {
+        return Err(written.fault("allan.fit is empty", "no terms", help("")));
+    }
+    Ok(Terms::Given(terms))
+}
+
+fn help(text: &str) -> String {
+    let names = Term::ALL.map(Term::symbol);
+    format!("{}, or fit = \"auto\"", choices(text, &names))
+}
+
+/// Estimates, (″/s)², record by record, each at the averaging factors of the point.
+#[derive(Debug, Default)]
+pub(crate) struct Estimates {
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl Estimates {
+    /// The estimates computed by `variances` from the sums of the records.
+    pub(crate) fn of(rows: Vec<Rows>, variances: impl Fn(&[u128]) -> Vec<f64>) -> Estimates {
+        let width = rows.first().map_or(0, |rows| rows.width);
+        let mut values = Vec::with_capacity(rows.iter().map(|rows| rows.values.len()).sum());
+        // Rows are dropped once they are read, which saves memory.
+        for rows in rows {
+            rows.rows().for_each(|sums| values.extend(variances(sums)));
+        }
+        Estimates { width, values }
+    }
+
+    /// Number of records.
+    pub(crate) fn count(&self) -> usize {
+        self.values.len().checked_div(self.width).unwrap_or(0)
+    }
+
+    /// The estimates of all records at one averaging factor.
+    pub(crate) fn at(&self, place: usize) -> Vec<f64> {
+        self.values.iter().skip(place).step_by(self.width.max(1)).copied().collect()
+    }
+
+    /// The estimates of each record, in order.
+    pub(crate) fn records(&self) -> impl IndexedParallelIterator<Item = &[f64]> {
+        self.values.par_chunks_exact(self.width.max(1))
+    }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::device::load::{Load, Work};
-use crate::key::refusal::Refusal;
+use crate::device::{Work, Workload};
+use crate::key::Unrepresentable;
 use crate::kinds::allan::lower::{Asked, Records};
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 use sagnac_theory::allan::part::Part;
@@ -48,7 +48,7 @@ impl NamedRecords {
     ///
     /// # Errors
     /// The records cannot be represented.
-    pub fn lower(&self) -> Result<Records, Refusal> {
+    pub fn lower(&self) -> Result<Records, Unrepresentable> {
         let octaves = (0..63).map(|octave| 1 << octave);
         let ms: Vec<u64> = octaves.take_while(|&m| self.estimator.terms(self.samples, m) > 0).collect();
         Records::new(&Asked {
@@ -70,8 +70,8 @@ impl NamedRecords {
 }
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
-    let load = |named: NamedRecords| Load {
+pub fn loads() -> Vec<Workload> {
+    let load = |named: NamedRecords| Workload {
         name: named.name,
         work: Work::Records(Arc::new(named.lowered().recipe().clone())),
         self_test_units: (named.name == "everything").then_some(40 * named.samples),
@@ -125,7 +125,7 @@ pub fn named_records() -> Vec<NamedRecords> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
+    use crate::kinds::allan::lower::theory::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the largest bound relative to its variance; `None`
     /// without a closed form.

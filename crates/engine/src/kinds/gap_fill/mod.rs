@@ -1,42 +1,38 @@
-//! Gap-fill studies: the motion, the mode switch and the fillers to compare.
+//! Gap-fill studies: the motion, the mode switch and the fillers to compare; their entry in the list of kinds.
 
-pub(crate) mod between;
 pub mod columns;
 pub mod inputs;
-pub mod judged;
-pub mod keys;
-pub mod kind;
-pub(crate) mod law;
 pub mod lower;
-pub(crate) mod notes;
-pub(crate) mod of_noise;
-pub(crate) mod parts;
-pub(crate) mod played;
-pub mod point;
 pub(crate) mod run;
-pub mod tuning;
 pub mod verify;
 
 use std::sync::Arc;
 
-use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};
-use crate::filler::read::Written;
-use crate::filler::ticks::{Purpose, TickList};
-use crate::filler::{Filler, Method, Target, specification};
-use crate::key::given::Given;
-use crate::key::precision::{self, PRECISION};
-use crate::key::reading::Reading;
-use crate::key::row::Key;
-use crate::key::setting;
-use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::kinds::gap_fill::keys::{RELOCK, SETTINGS, TICK_NOISE};
-use crate::kinds::gap_fill::point::Point;
-use crate::kinds::{gap_fill, gyro};
+use crate::chart::{Law, Source, TableSchema, Text};
+use crate::filler::read::{
+    ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH, Written,
+};
+use crate::filler::{self, Closed, Filler, Method, Purpose, Target, TickList};
+use crate::key::document::SpannedValue;
+use crate::key::{self, Key, PRECISION, ParseContext, sweep};
+use crate::kinds::gap_fill::inputs::{Inputs, Point, RELOCK, SETTINGS, TICK_NOISE, TickNoise};
+use crate::kinds::gap_fill::run::Proven;
+use crate::kinds::plan::PointsPlan;
 use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
-use crate::motion::{self, Profile, vibration};
-use crate::{filler, noise};
+use crate::motion::{self, Motion, Profile};
+use crate::sampling::Planned;
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
+use crate::{kinds, noise};
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::table::column::abouts;
+use sagnac_kernel::gap_fill::VERSION;
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
+use sagnac_theory::published::{
+    noise_of_const, noise_of_const_as_published, taylor_extremum_as_published,
+    taylor_zero_crossing_as_published,
+};
 
 /// The part of a study that is specific to gap filling.
 #[derive(Debug, Clone)]
@@ -60,20 +56,12 @@ impl GapFill {
 
 /// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
-    [
-        gap_fill::keys::KEYS,
-        gyro::KEYS,
-        motion::keys::KEYS,
-        specification::KEYS,
-        filler::keys::KEYS,
-        noise::keys::KEYS,
-    ]
-    .concat()
+    [inputs::KEYS, kinds::KEYS, motion::keys::KEYS, filler::KEYS, filler::read::KEYS, noise::KEYS].concat()
 }
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [precision::KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
+    [key::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
 }
 
 /// The keys that can be swept.
@@ -81,11 +69,11 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
     // The gap comes last, as it does in a study.
     let [gyro @ .., gap] = &SETTINGS;
     let gyro = gyro.iter().map(|setting| setting.key);
-    gyro.chain(setting::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
+    gyro.chain(sweep::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
+pub(crate) fn read(reading: &mut ParseContext) -> Result<GapFill, Wrong> {
     let fillers = reading.table.needed(&FILLERS)?;
     let mut inputs = read_inputs(reading)?;
     let written_fillers = filler::read::read(fillers, inputs.specification.as_ref())?;
@@ -95,18 +83,18 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     }
     let errors = read_errors(reading.get(&ERRORS))?;
     for sweep in reading.sweeps {
-        if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
+        if reading.get(&noise::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
             let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
             return Err(sweep.fault(message, "a second noise", "leave one of them out").into());
         }
-        setting::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
+        sweep::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
         if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
             let message = "motion.suspension.gyro is swept, but the motion has no suspension";
             let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
             return Err(sweep.fault(message, "not in this study", help).into());
         }
     }
-    let base = point::Base {
+    let base = inputs::Base {
         inputs: inputs.clone(),
         places: &reading.places,
         sweeps: reading.sweeps,
@@ -116,11 +104,11 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     };
     let points = base.points()?;
     let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
-    reading.notes.extend(notes::of_motion(&inputs, &points));
-    reading.notes.extend(judged::note(&points, &fillers));
-    reading.notes.extend(between::note(&points, &fillers));
-    reading.precision = precision::read(&reading.table)?;
-    reading.notes.extend(reading.precision.as_ref().and_then(precision::finer_than_bins));
+    reading.notes.extend(columns::of_motion(&inputs, &points));
+    reading.notes.extend(columns::mismatch_note(&points, &fillers));
+    reading.notes.extend(columns::interpolation_note(&points, &fillers));
+    reading.precision = key::read(&reading.table)?;
+    reading.notes.extend(reading.precision.as_ref().and_then(key::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
         (&reading.precision, reading.get(&PRECISION), &inputs.motion.profile)
     {
@@ -132,9 +120,9 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
 }
 
 /// Reads the inputs, and notes what they leave out or assume.
-fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
+fn read_inputs(reading: &mut ParseContext) -> Result<Inputs, Wrong> {
     reading.table.needed(&GAP_TICKS)?;
-    let motion = motion::read::read(reading)?;
+    let motion = motion::keys::read(reading)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,
@@ -142,27 +130,25 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
         readout_lsb: 0.0,
         relock: read_relock(reading.get(&RELOCK))?,
         motion,
-        specification: specification::read(reading)?.map(Arc::new),
+        specification: filler::read(reading)?.map(Arc::new),
         gap_ticks: 0,
     };
-    let noise = of_noise::read(reading)?;
+    let noise = inputs::read(reading)?;
     if let Some(noise) = &noise {
-        of_noise::set(&mut inputs, noise);
+        inputs::set(&mut inputs, noise);
     }
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
     let lock_in = noise.as_ref().and_then(|noise| noise.lock_in);
-    reading
-        .notes
-        .extend(noise::lock_in::note(lock_in.map(|lock_in| (lock_in, inputs.motion.rate)).into_iter()));
-    reading.notes.extend(noise.and_then(|noise| of_noise::left_out(&noise, &inputs, reading.sweeps)));
-    let assumed = reading.get(&SUSPENSION).and_then(|_| vibration::KEYS.assumed(reading));
+    reading.notes.extend(noise::note(lock_in.map(|lock_in| (lock_in, inputs.motion.rate)).into_iter()));
+    reading.notes.extend(noise.and_then(|noise| inputs::left_out(&noise, &inputs, reading.sweeps)));
+    let assumed = reading.get(&SUSPENSION).and_then(|_| motion::KEYS.assumed(reading));
     reading.notes.extend(assumed);
     Ok(inputs)
 }
 
 /// Reads the angles that the relock adds to ticks.
-fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
+fn read_relock(list: Option<SpannedValue>) -> Result<Vec<f64>, Fault> {
     let Some(list) = list else { return Ok(vec![]) };
     let items = list.items();
     if items.len() > MAX_SIDE {
@@ -172,7 +158,7 @@ fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
     items.iter().map(|angle| Ok(angle.quantity()?.value)).collect()
 }
 
-fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
+fn read_errors(list: Option<SpannedValue>) -> Result<Vec<Error>, Fault> {
     let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
     let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
     let errors = list.distinct(|item| Ok((item.to_string(), Error::of(Some(item)))), help)?;
@@ -181,4 +167,103 @@ fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
     }
     // The order of the kernel, so that tables do not depend on the order in the list.
     Ok(Error::ALL.into_iter().filter(|error| errors.contains(error)).collect())
+}
+
+/// Errors of gap fillers at a mode switch.
+pub static GAP_FILL: Kind = Kind {
+    name: "gap-fill",
+    subject: "The angle lost or won when the ticks missing at a mode switch are filled in.",
+    about: "Samples mode switches: the motion, the noise and the readout of the ticks around each. Every filler fills in the lost \
+            ticks. points.csv has for each point, filler and error the `rms`, the level `p99_73`, which \
+            99.73 % of errors stay below, and the `max`, with their uncertainty, and the closed form `theory_rms` where there is one.",
+    template: include_str!("template.toml"),
+    is_exact: false,
+    trials: 1_000_000,
+    needs: &["gyro", "motion", "switching"],
+    keys,
+    sweepable,
+    columns: &[(Source::Points, columns::described)],
+    kernels: || format!("gap_fill {VERSION}"),
+    loads: crate::kinds::gap_fill::verify::loads,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+impl Subject for GapFill {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let prove = |point| Proven::new(study, self, point);
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, prove, progress)?;
+        plan.iter().try_for_each(run::check_replays)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Ablation> {
+        let (parts, points) = dissected(self.points.get(point)?);
+        Some(Ablation { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
+    }
+
+    fn bytes(&self) -> u64 {
+        ROW * (self.points.len() * self.fillers.len() * self.errors.len()) as u64
+    }
+
+    fn grounds(&self) -> Vec<TableSchema> {
+        let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
+        let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name());
+        let columns = abouts(&columns::columns(self.is_specified()));
+        vec![TableSchema {
+            laws: columns::LAWS,
+            is_specified: self.is_specified(),
+            ..TableSchema::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
+        }]
+    }
+}
+
+/// All parts, each of which adds to the ticks.
+static PARTS: [Part<Inputs>; 4] = [
+    Part { name: "motion", off: rest },
+    Part { name: "noise of the ticks", off: |inputs| inputs.tick_noise = TickNoise::Std(0.0) },
+    Part { name: "whole pulses of the readout", off: |inputs| inputs.readout_lsb = 0.0 },
+    Part { name: "angles of the relock", off: |inputs| inputs.relock.clear() },
+];
+
+/// Takes away the motion, and that of the specification.
+fn rest(inputs: &mut Inputs) {
+    inputs.motion = Motion::default();
+    inputs.specification = inputs.specification.take().map(|_| Arc::default());
+}
+
+/// A point as it is, and without each of its parts in turn; its fillers keep their weights.
+pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+    let (names, inputs) = study::points(&point.inputs, &PARTS);
+    let design = point.design.clone().or_else(|| Some(Box::new(point.inputs.clone())));
+    let of = |inputs: Inputs| Point { inputs, design: design.clone(), ..point.clone() };
+    (names, inputs.into_iter().map(of).collect())
+}
+
+/// Number of ticks for which the published noise law holds.
+const PUBLISHED_TICKS: usize = 4;
+
+impl Law {
+    /// The value of the law for one of the errors of a filler that reads `ticks` ticks, ″; `None` where the law does
+    /// not apply.
+    pub fn arcsec(self, inputs: &Inputs, filler: &Filler, error: Error, ticks: usize) -> Option<f64> {
+        let Method::Closed(&Closed { order: Some(order), .. }) = filler.method else { return None };
+        let three_sigma = 3.0 * inputs.sigma_arcsec();
+        let of_const = order == 0 && error != Error::InGap;
+        let taylor = |share: fn(usize, f64) -> Option<f64>| {
+            let (rate, _) = inputs.motion.single_tone()?;
+            share(order, inputs.dt_nu()?).map(|share| share * rate * inputs.tick_s)
+        };
+        match self {
+            Law::TaylorExtremum => taylor(taylor_extremum_as_published),
+            Law::TaylorZeroCrossing => taylor(taylor_zero_crossing_as_published),
+            Law::NoiseAsPublished => (of_const && ticks == PUBLISHED_TICKS)
+                .then(|| noise_of_const_as_published(three_sigma, inputs.gap_ticks)),
+            Law::ZeemanTables
+            | Law::StrategicGrade
+            | Law::NavigationGrade
+            | Law::TacticalGrade
+            | Law::ConsistentFilter => None,
+            Law::Noise => of_const.then(|| noise_of_const(three_sigma, inputs.gap_ticks, ticks)),
+        }
+    }
 }

@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::device::load::Load;
-use crate::filler::keys::Error;
+use crate::device::Workload;
+use crate::filler::read::Error;
 use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::common::Streams;
-use crate::key::refusal::Refusal;
-use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
+use crate::key::{Streams, Unrepresentable};
+use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::point::Point;
 use crate::motion::keys::{Design, Interpolation, Phase, Position};
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac_kernel::launch::Launch;
@@ -75,7 +73,7 @@ impl Configuration {
     ///
     /// # Errors
     /// The point cannot be represented.
-    pub fn lower(&self) -> Result<Lowered, Refusal> {
+    pub fn lower(&self) -> Result<Lowered, Unrepresentable> {
         Lowered::new(&self.point(), &self.fillers, &self.errors, 1, Streams::Independent)
     }
 
@@ -135,9 +133,9 @@ pub fn gaussian(low_hz: f64, high_hz: f64) -> Motion {
 const SELF_TEST: [&str; 2] = ["paper", "sparse-fit-ticks"];
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
+pub fn loads() -> Vec<Workload> {
     let of = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
-    Load::of_launches(configurations().into_iter().flat_map(of).collect(), &SELF_TEST)
+    Workload::of_launches(configurations().into_iter().flat_map(of).collect(), &SELF_TEST)
 }
 
 /// Points that cover every distinction made by the kernel.

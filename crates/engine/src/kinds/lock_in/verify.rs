@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::device::load::{Load, Work};
-use crate::key::common::Streams;
+use crate::device::{Work, Workload};
+use crate::key::Streams;
 use crate::kinds::lock_in::lower::Gyros;
-use crate::kinds::lock_in::point::Times;
-use crate::kinds::lock_in::{Dither, Inputs, Point, Readout};
+use crate::kinds::lock_in::{Dither, Inputs, Point, Readout, Times};
 use crate::motion::{Motion, Tone};
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 
@@ -55,8 +54,8 @@ pub fn lowered(inputs: &Inputs, periods: u64, samples: u64, estimator: Estimator
 }
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
-    let load = |(name, gyros): (&'static str, Gyros)| Load {
+pub fn loads() -> Vec<Workload> {
+    let load = |(name, gyros): (&'static str, Gyros)| Workload {
         name,
         self_test_units: (name == "everything").then(|| 40 * u64::from(gyros.recipe().samples)),
         work: Work::Records(Arc::new(gyros.recipe().clone())),

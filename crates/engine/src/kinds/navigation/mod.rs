@@ -1,34 +1,31 @@
-//! Studies of navigation: the errors of heading, velocity and position that the noise of gyros leaves.
+//! Studies of navigation: the errors of heading, velocity and position that the noise of gyros leaves; their keys, the parts
+//! of the error, and the entry in the list of kinds.
 
-pub(crate) mod claims;
 pub(crate) mod columns;
-pub(crate) mod filter;
-pub mod keys;
-pub(crate) mod kind;
 pub mod lower;
-pub(crate) mod parts;
 pub(crate) mod point;
 pub(crate) mod run;
 pub mod verify;
 
-pub use crate::kinds::navigation::point::{Inputs, Point};
-pub use crate::noise::{Noise, Switching};
+use std::sync::Arc;
 
-use crate::key::reading::Reading;
-use crate::key::row::Key;
+use crate::chart::{Source, TableSchema};
 use crate::key::sensitivity::{self, Uncertain};
-use crate::key::setting;
-use crate::kinds::navigation::keys::{
-    ALIGNMENT, CALIBRATION, COURSE, DRAWS, DURATION, FILTER, LATITUDE, NAVIGATION, SAMPLE, SETTINGS,
-    SOLUTION, SPEED, Solution,
-};
-use crate::noise::files::swept_files;
-use crate::noise::keys::{FILE, coefficient_values};
-use crate::noise::read::WrittenNoise;
-use crate::noise::{self, lock_in, switches};
+use crate::key::sweep::{self, Setting};
+use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
+use crate::kinds::navigation::columns::{LAWS, OF_FILTERS};
+pub use crate::kinds::navigation::point::{Inputs, Point};
+use crate::noise::{self, FILE, WrittenNoise, coefficient_values, swept_files, values};
+pub use crate::noise::{Noise, Switching};
+use crate::sampling::Planned;
+use crate::study::{Ablation, Kind, Part, Study, Subject};
+use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Quantity;
+use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::table::column::abouts;
+use sagnac_kernel::navigation::VERSION;
+use sagnac_theory::allan::terms::Term;
 
 /// The part of a study that is specific to navigation.
 #[derive(Debug, Clone)]
@@ -52,17 +49,17 @@ impl Navigation {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [keys::KEYS, noise::keys::KEYS].concat()
+    [KEYS, noise::KEYS].concat()
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE, &FILTER]).collect()
+fn sweepable() -> Vec<&'static Key> {
+    sweep::keys(&SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE, &FILTER]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
-    reading.note(&[&NAVIGATION, &FILTER]);
+pub(crate) fn read(reading: &mut ParseContext) -> Result<Navigation, Wrong> {
+    reading.note(&[&NAVIGATION_TABLE, &FILTER]);
     let solution = Solution::of(reading.get(&SOLUTION));
     let calibrates = reading.get(&CALIBRATION).is_some_and(|given| given.flag());
     check_keys(reading, solution, calibrates)?;
@@ -71,7 +68,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
         duration_s: 0.0,
         alignment_s: 0.0,
         calibrates,
-        filter: filter::written(reading)?,
+        filter: point::written(reading)?,
         latitude_arcsec: 0.0,
         speed_m_per_s: 0.0,
         course_arcsec: 0.0,
@@ -79,9 +76,9 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
         noise: Noise::default(),
     };
     reading.set(&mut inputs, &SETTINGS)?;
-    let WrittenNoise { noise, written } = noise::read::read(reading)?;
+    let WrittenNoise { noise, written } = noise::read(reading)?;
     let files = swept_files(reading, &written)?;
-    let filters = filter::swept(reading)?;
+    let filters = point::swept(reading)?;
     let (draws, uncertain) = read_draws(reading, &noise)?;
     let base = point::Base {
         inputs: Inputs { noise, ..inputs },
@@ -91,15 +88,15 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
         sweeps: reading.sweeps,
     };
     base.check_sweeps()?;
-    switches::check(base.noises(), &reading.places, reading.sweeps)?;
+    noise::check_switching(base.noises(), &reading.places, reading.sweeps)?;
     let points = base.points()?;
     let gyros = points.iter().filter_map(|point| Some((point.inputs.noise.lock_in?, 0.0)));
-    reading.notes.extend(rounded(&points).into_iter().chain(lock_in::note(gyros)));
+    reading.notes.extend(rounded(&points).into_iter().chain(noise::note(gyros)));
     Ok(Navigation { solution, draws, uncertain, points })
 }
 
 /// Refuses a key without effect on the solution, and a missing one.
-fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result<(), Fault> {
+fn check_keys(reading: &ParseContext, solution: Solution, calibrates: bool) -> Result<(), Fault> {
     let (needed, unused): (&[&'static Key], &[&'static Key]) = match solution {
         Solution::Inertial => (&[&DURATION, &LATITUDE], &[&FILTER]),
         Solution::Heading => (&[&DURATION], &[&LATITUDE, &SPEED, &COURSE]),
@@ -120,7 +117,7 @@ fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result
         }
     }
     if let Some(key) = needed.iter().find(|key| !is_given(key)) {
-        let table = reading.table.span_of(&NAVIGATION).unwrap_or_default();
+        let table = reading.table.span_of(&NAVIGATION_TABLE).unwrap_or_default();
         return Err(Fault::missing_key(key.name, key.example, table));
     }
     let no_effect = |key: &'static Key, without: &'static Key, why: &str| match reading.get(key) {
@@ -139,7 +136,7 @@ fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result
         }
         if !is_given(&ALIGNMENT) {
             let message = "navigation.filter finds the bias of the gyro in the alignment, and there is none";
-            let table = reading.table.span_of(&NAVIGATION).unwrap_or_default();
+            let table = reading.table.span_of(&NAVIGATION_TABLE).unwrap_or_default();
             let help = "give a time as in alignment = \"10 min\", or leave navigation.filter out";
             return Err(Fault::new(table, message, "without alignment", help));
         }
@@ -157,7 +154,7 @@ fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result
 }
 
 /// Reads the number of sets of coefficients, and their distributions, which must be those of the noise of the study.
-fn read_draws(reading: &Reading, noise: &Noise) -> Result<(u64, Vec<Uncertain>), Fault> {
+fn read_draws(reading: &ParseContext, noise: &Noise) -> Result<(u64, Vec<Uncertain>), Fault> {
     let Some(given) = reading.get(&DRAWS) else { return Ok((1, vec![])) };
     let draws = given.whole()?.cast_unsigned();
     let uncertain = sensitivity::read_all(&reading.table, &keys(), &sweepable(), &[])?;
@@ -234,3 +231,180 @@ fn rounded(points: &[Point]) -> Option<String> {
         SAMPLE.name
     ))
 }
+
+/// Errors of navigators.
+pub(crate) static NAVIGATION: Kind = Kind {
+    name: "navigation",
+    subject: "The error of heading, velocity and position that the noise of its gyros leaves a navigator.",
+    about: "Simulates records of the gyros of a navigator with the noise of [noise] and sums their increments with the weights \
+            that follow from its error equations. points.csv has the error of the position over the ground after the time of \
+            navigation, `position_cep` and `position_p95`, below which half and 95 % of the trials stay, in nautical miles, and \
+            likewise those of velocity, tilt and heading; for solution = \"heading\" and \"gyrocompass\" the heading alone. With \
+            navigation.filter a Kalman filter keeps the heading, and the table has its consistency, `nees` and `within95`.",
+    template: include_str!("template.toml"),
+    is_exact: false,
+    trials: 1000,
+    needs: &["navigation", "noise"],
+    keys,
+    sweepable,
+    columns: &[(Source::Points, columns::described)],
+    kernels: || format!("navigation {VERSION}"),
+    loads: crate::kinds::navigation::verify::loads,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+impl Subject for Navigation {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let plan = run::Plan::new(study, self, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Ablation> {
+        let (parts, points) = dissected(self.points.get(point)?);
+        Some(Ablation { parts, subject: Arc::new(Navigation { points, ..self.clone() }) })
+    }
+
+    fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
+        self.points.get(point).map(|point| values(&point.inputs.noise)).unwrap_or_default()
+    }
+
+    fn grounds(&self) -> Vec<TableSchema> {
+        let columns = abouts(&columns::columns(self.solution, self.has_filter()));
+        let limits: &[Dimension] = match self.solution {
+            Solution::Inertial => &[Dimension::Distance, Dimension::Angle, Dimension::Speed],
+            Solution::Heading | Solution::Gyrocompass => &[Dimension::Angle],
+        };
+        let laws = match self.solution {
+            Solution::Inertial => &LAWS[..],
+            Solution::Heading if self.has_filter() => &OF_FILTERS[..],
+            Solution::Heading | Solution::Gyrocompass => &[],
+        };
+        vec![TableSchema { laws, ..TableSchema::of(Source::Points, columns, [], limits) }]
+    }
+}
+
+/// The parts besides the terms of the noise.
+static OTHERS: [Part<Noise>; 3] = [
+    Part { name: "lock-in", off: |noise| noise.lock_in = None },
+    Part {
+        name: "magnetic drift of the modes",
+        off: |noise| {
+            switched(noise, |switching| Switching { magnetic: 0.0, initial_magnetic: 0.0, ..switching })
+        },
+    },
+    Part {
+        name: "fill residuals",
+        off: |noise| {
+            switched(noise, |switching| Switching { residual: 0.0, residual_noise: 0.0, ..switching })
+        },
+    },
+];
+
+/// Changes the switching, where there is some.
+fn switched(noise: &mut Noise, change: impl Fn(Switching) -> Switching) {
+    noise.switching = noise.switching.map(change);
+}
+
+/// What a point lacks of its noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lack {
+    /// One of the terms.
+    Term(Term),
+    /// One of the other parts, by its place.
+    Other(usize),
+}
+
+impl Lack {
+    /// The noise without what is lacking.
+    pub(crate) fn of(self, mut noise: Noise) -> Noise {
+        match self {
+            Lack::Term(term) => noise.without(term),
+            Lack::Other(place) => {
+                (OTHERS[place].off)(&mut noise);
+                noise
+            }
+        }
+    }
+}
+
+/// A point as it is, and without each other part and each term of its noise in turn. A point remembers what it lacks, because
+/// swept and drawn coefficients are set anew for each set.
+fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+    let noise = &point.inputs.noise;
+    let others = OTHERS.iter().enumerate().map(|(place, part)| (part.name, Lack::Other(place)));
+    let has = |term: &Term| noise.has(*term);
+    let terms = Term::EVERY.into_iter().filter(has).map(|term| (term.row().name[1], Lack::Term(term)));
+    let (mut names, mut points) = (vec![], vec![point.clone()]);
+    for (name, lack) in others.chain(terms) {
+        let without = lack.of(noise.clone());
+        // An angle random walk by lock-in alone is the part above.
+        if without != *noise {
+            names.push(name);
+            let inputs = Inputs { noise: without, ..point.inputs.clone() };
+            points.push(Point { inputs, lack: Some(lack), ..point.clone() });
+        }
+    }
+    (names, points)
+}
+
+words! {
+    /// The task of a navigator.
+    pub enum Solution {
+        /// Attitude, velocity and position by three gyros along north, east and down, from the start on.
+        Inertial = "inertial",
+        /// The heading of a strapdown at rest, kept by the vertical gyro.
+        Heading = "heading",
+        /// The heading at rest that the east gyro finds from the rate of the Earth in the alignment.
+        Gyrocompass = "gyrocompass",
+    }
+}
+
+const DURATIONS: ValueType = measure(&[Dimension::Time], 1.0, 1e7, "1 s to 1e7 s");
+const SAMPLES: ValueType = measure(&[Dimension::Time], 1e-4, 120.0, "0.1 ms to 120 s");
+const LATITUDES: ValueType = measure(&[Dimension::Bearing], -306_000.0, 306_000.0, "-85 deg to 85 deg");
+const COURSES: ValueType = measure(&[Dimension::Bearing], -1_296_000.0, 1_296_000.0, "-360 deg to 360 deg");
+// 1000 m/s in g·s.
+const SPEEDS: ValueType = measure(&[Dimension::Speed], 0.0, 101.971_621_298, "0 to 1000 m/s");
+
+keys! {
+    /// The keys of the navigator.
+    pub(crate) static KEYS;
+    /// The navigator: its task, its times, its place on the Earth and its leg.
+    pub NAVIGATION_TABLE = "navigation", "", Fixed, ValueType::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
+    /// Task of the navigator; "inertial" if absent.
+    pub SOLUTION = "navigation.solution", "", Fixed, ValueType::Word(Solution::WORDS), r#"solution = "inertial""#;
+    /// Time from the start to the end, for "inertial" and "heading": "1 h".
+    pub DURATION = "navigation.duration", "time of navigation", Question, DURATIONS, r#"duration = "1 h""#;
+    /// Time at rest before the start, for "inertial" and "gyrocompass", in which the east gyro finds the heading from the
+    /// rate of the Earth. If absent, "inertial" starts without errors. "heading" may have it for its calibration.
+    pub ALIGNMENT = "navigation.alignment", "time of alignment", Fixed, DURATIONS, r#"alignment = "10 min""#;
+    /// Whether the mean rates of the other gyros in the alignment are taken as their biases and removed; false if absent.
+    pub CALIBRATION = "navigation.calibration", "", Fixed, ValueType::Flag, "calibration = true";
+    /// Path of the noise model of a Kalman filter, relative to the folder of the study, for "heading": a document of
+    /// `sagnac model --json` with one column. The filter finds the bias of the gyro in the alignment and predicts it from the
+    /// start on; calibration is that of a filter that knows white noise only.
+    pub FILTER = "navigation.filter", "filter", Fixed, ValueType::File, r#"filter = "model.json""#;
+    /// Latitude at the start, for "inertial" and "gyrocompass": "60 deg".
+    pub LATITUDE = "navigation.latitude", "latitude", Question, LATITUDES, r#"latitude = "60 deg""#;
+    /// Speed on a straight leg, for "inertial"; at rest if absent: "250 m/s".
+    pub SPEED = "navigation.speed", "speed", Question, SPEEDS, r#"speed = "250 m/s""#;
+    /// Course of the leg from north over east; north if absent: "90 deg".
+    pub COURSE = "navigation.course", "course", Question, COURSES, r#"course = "90 deg""#;
+    /// Time from one sample of the gyros to the next. If absent, it is chosen so that a record has more than 2000 samples
+    /// and switches of modes fall on samples; the responses are averaged over each sample.
+    pub SAMPLE = "navigation.sample", "sampling time", Question, SAMPLES, r#"sample = "1 s""#;
+    /// Number of sets of coefficients that are drawn from the distributions of [[sensitivity]], each for an equal part of
+    /// the trials, so that the errors contain the uncertainty of the coefficients; if absent, they have the values of the
+    /// study.
+    pub DRAWS = "navigation.draws", "", Fixed, ValueType::Whole(2, 1000), "draws = 16";
+}
+
+/// The settings of these keys.
+pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
+    Setting::new(&DURATION, |inputs, time| inputs.duration_s = time.value),
+    Setting::new(&ALIGNMENT, |inputs, time| inputs.alignment_s = time.value),
+    Setting::new(&LATITUDE, |inputs, latitude| inputs.latitude_arcsec = latitude.value),
+    Setting::new(&SPEED, |inputs, speed| inputs.speed_m_per_s = speed.shown()),
+    Setting::new(&COURSE, |inputs, course| inputs.course_arcsec = course.value),
+    Setting::new(&SAMPLE, |inputs, sample| inputs.sample_s = Some(sample.value)),
+];

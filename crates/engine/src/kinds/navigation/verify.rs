@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::device::load::{Load, Work};
-use crate::key::common::Streams;
-use crate::kinds::navigation::keys::Solution;
+use crate::device::{Work, Workload};
+use crate::key::Streams;
 use crate::kinds::navigation::lower::Lowered;
-use crate::kinds::navigation::{Inputs, Navigation, Point};
+use crate::kinds::navigation::{Inputs, Navigation, Point, Solution};
 use crate::noise::{Noise, Switching};
 use sagnac_theory::allan::terms::Term;
 
@@ -63,13 +62,13 @@ pub fn lgk_400() -> Noise {
 }
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
+pub fn loads() -> Vec<Workload> {
     let load = |(name, solution, noise, duration_s): (&'static str, Solution, Noise, f64)| {
         let gyros = navigator(solution, noise, duration_s).gyros;
         let navigation = gyros.last().map(|gyro| gyro.navigation.clone());
         let work = navigation.map(|navigation| Work::Records(Arc::new(navigation)));
         let self_test_units = (name == "inertial-everything").then_some(40 * 700);
-        work.map(|work| Load { name, work, self_test_units })
+        work.map(|work| Workload { name, work, self_test_units })
     };
     named_navigators().into_iter().filter_map(load).collect()
 }
@@ -106,7 +105,7 @@ fn named_navigators() -> Vec<(&'static str, Solution, Noise, f64)> {
 mod tests {
     use super::*;
     use crate::kinds::navigation::columns::Quantity;
-    use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
+    use crate::kinds::navigation::lower::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the least and the largest ratio of a bound to its rms.
     fn compare(name: &str, solution: Solution, noise: Noise, duration_s: f64) -> (f64, f64) {

@@ -1,11 +1,9 @@
 //! Named relocks that cover every distinction made by the kernel.
 
-use crate::device::load::Load;
-use crate::key::common::Streams;
-use crate::kinds::relock::inputs::FirstHalf;
-use crate::kinds::relock::inputs::{Compensation, Relock};
+use crate::device::Workload;
+use crate::key::Streams;
 use crate::kinds::relock::lower::LoweredRelock;
-use crate::kinds::relock::{RelockInputs, RelockPoint};
+use crate::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
 use sagnac_kernel::launch::Launch;
 
 /// A relock like the paper's, with every kind of error.
@@ -38,8 +36,8 @@ pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Lau
 }
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
-    Load::of_launches(launches(), &["by-frequency", "by-detuning"])
+pub fn loads() -> Vec<Workload> {
+    Workload::of_launches(launches(), &["by-frequency", "by-detuning"])
 }
 
 fn launches() -> Vec<(&'static str, Launch)> {

@@ -1,18 +1,19 @@
 //! Studies of a suspension: its response as a function of the vibration frequency, in closed form.
 
-pub(crate) mod columns;
-pub(crate) mod kind;
-
 use std::sync::Arc;
 
-use crate::key::holds::{Holds, measure};
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting::{self, Setting, Swept};
-use crate::key::sweep;
-use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
+use crate::chart::{Source, TableSchema};
+use crate::key::sweep::{self, Setting, Swept};
+use crate::key::{Key, ParseContext, ValueType, keys, measure};
+use crate::kinds::plan::{ClosedFormPlan, table};
+use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
+use crate::sampling::Planned;
+use crate::study::{Kind, Study, Subject};
+use sagnac_base::progress::Progress;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::Wrong;
+use sagnac_base::table::column::abouts;
+use sagnac_base::table::{ColumnOf, Role, Unit, Usual};
 use sagnac_theory::suspension::{Response, Suspension};
 
 /// The part of a study that is specific to a suspension.
@@ -43,11 +44,11 @@ keys! {
     /// The keys of the suspension.
     static KEYS;
     /// The suspension of a gyro, given by the name of a known one or by its modes.
-    SUSPENSION = "suspension", "", Fixed, Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
+    SUSPENSION_TABLE = "suspension", "", Fixed, ValueType::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
     /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
     GYRO = "suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
     /// Modes of the suspension instead of a name, second-order resonances with the useful one first.
-    MODES = "suspension.modes", "", Fixed, Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    MODES = "suspension.modes", "", Fixed, ValueType::List(&ValueType::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
     MODE_FREQUENCY = "suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
@@ -59,10 +60,10 @@ keys! {
     FREQUENCY = "suspension.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "380 Hz""#;
 }
 
-const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");
+const FREQUENCIES: ValueType = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");
 
 const OF_SUSPENSION: SuspensionKeys = SuspensionKeys {
-    table: &SUSPENSION,
+    table: &SUSPENSION_TABLE,
     gyro: &GYRO,
     modes: &MODES,
     mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
@@ -72,18 +73,18 @@ static SETTINGS: [Setting<Point>; 1] =
     [Setting::new(&FREQUENCY, |point, frequency| point.frequency_hz = frequency.value)];
 
 /// Every key of this kind.
-pub(crate) fn keys() -> Vec<&'static Key> {
+fn keys() -> Vec<&'static Key> {
     KEYS.to_vec()
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+fn sweepable() -> Vec<&'static Key> {
     vec![&FREQUENCY, &GYRO]
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
-    reading.note(&[&SUSPENSION]);
+fn read(reading: &mut ParseContext) -> Result<SuspensionStudy, Wrong> {
+    reading.note(&[&SUSPENSION_TABLE]);
     let suspension = OF_SUSPENSION.read(reading)?;
     let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
     if reading.sweep(&FREQUENCY).is_none() {
@@ -92,10 +93,59 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
     reading.set(&mut point, &SETTINGS)?;
     let points = sweep::points(reading.sweeps).map(|swept| {
         let mut point = point.clone();
-        setting::set(&mut point, &SETTINGS, &swept);
+        sweep::set(&mut point, &SETTINGS, &swept);
         let suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
         Point { swept, suspension, ..point }
     });
     reading.notes.extend(OF_SUSPENSION.assumed(reading));
     Ok(SuspensionStudy { points: points.collect() })
+}
+
+/// The rotation of a gyro on its suspension under vibration.
+pub(crate) static SUSPENSION: Kind = Kind {
+    name: "suspension",
+    subject: "The rotation of a gyro on its suspension under vibration, in closed form.",
+    about: "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has `response`, the rate \
+            divided by the acceleration, and its `phase` at each swept frequency.",
+    template: include_str!("template.toml"),
+    is_exact: true,
+    trials: 1_000_000,
+    needs: &["suspension"],
+    keys,
+    sweepable,
+    columns: &[(Source::Points, || abouts(&columns()))],
+    kernels: || "none".to_owned(),
+    loads: Vec::new,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+impl Subject for SuspensionStudy {
+    fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
+        let table = table(&study.sweeps, &columns(), &self.points, |point| &point.swept);
+        Ok(Some(Box::new(ClosedFormPlan(table))))
+    }
+
+    fn grounds(&self) -> Vec<TableSchema> {
+        vec![TableSchema {
+            legend: ["", ""],
+            ..TableSchema::of(Source::Points, abouts(&columns()), [], &[Dimension::RatePerAcceleration])
+        }]
+    }
+}
+
+/// The columns except the swept keys, in the order of the file.
+#[rustfmt::skip]
+fn columns() -> Vec<ColumnOf<Point>> {
+    type Of = ColumnOf<Point>;
+    vec![
+        Of::new("response", Unit::ARCSEC_PER_S_PER_G, "rate per acceleration", |point| point.response().amplitude().into())
+            .is(Role::Estimate, "Rate of the gyro per acceleration of the base, ″/s per g.")
+            .usual(Usual::Estimate),
+        Of::new("phase", Unit::DEG, "phase of the rate", |point| point.response().phase_deg().into())
+            .is(Role::Estimate, "Phase of the rate relative to the acceleration, °; negative where the rate lags."),
+        Of::new("normalized", Unit::NONE, "response relative to the useful mode", |point| {
+            (point.response().amplitude() / point.suspension.useful()).into()
+        })
+        .is(Role::Estimate, "`response` divided by the response at the first mode."),
+    ]
 }

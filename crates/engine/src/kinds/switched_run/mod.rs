@@ -1,33 +1,34 @@
-//! Studies of whole runs of a gyro that switches modes.
+//! Studies of whole runs of a gyro that switches modes: their keys, the parts of the error, and the entry in the list of kinds.
 
-pub(crate) mod columns;
-pub(crate) mod kind;
 pub mod lower;
-pub(crate) mod parts;
 pub mod point;
-pub(crate) mod relock;
 pub mod run;
 pub mod verify;
 
-pub use crate::kinds::switched_run::point::Point;
-pub use crate::kinds::switched_run::relock::Relocking;
+use std::sync::Arc;
 
-use crate::drift::schedule::{self, END, End, Schedule};
-use crate::drift::{self, DRIFT, Drift, RESIDUAL_MAX};
+use crate::chart::{Source, TableSchema, Text};
+use crate::drift::{self, DRIFT, Drift, END, End, RESIDUAL_MAX, Schedule};
 use crate::filler::Filler;
-use crate::filler::keys::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
-use crate::key::given::Given;
-use crate::key::holds::{Holds, unlimited, words};
-use crate::key::places::Places;
-use crate::key::reading::Reading;
-use crate::key::row::{Key, keys};
-use crate::key::setting;
+use crate::filler::read::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
+use crate::key::document::{SpanMap, SpannedValue};
+use crate::key::{Key, ParseContext, ValueType, keys, sweep, unlimited, words};
 use crate::kinds::gap_fill::{self, GapFill};
+use crate::kinds::plan::PointsPlan;
+use crate::kinds::relock;
+use crate::kinds::switched_run::lower::LoweredRun;
+pub use crate::kinds::switched_run::point::{Point, Relocking};
+use crate::kinds::switched_run::run::MAX_SHOWN;
 use crate::motion::keys::MOTION;
-use crate::noise::keys::NOISE;
+use crate::noise::NOISE;
+use crate::sampling::Planned;
+use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
+use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::Dimension;
 use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::table::column::abouts;
+use sagnac_kernel::switched_run::VERSION;
 
 words! {
     /// Sign of the magnetic drift in the first interval of a run.
@@ -56,14 +57,14 @@ keys! {
     /// The keys specific to this kind.
     static KEYS;
     /// Sign of the magnetic drift in the first interval; positive if absent.
-    FIRST_MODE = "switching.first_mode", "", Fixed, Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
+    FIRST_MODE = "switching.first_mode", "", Fixed, ValueType::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
     /// Phase of the motion at the switches; random if absent. If the motion has a fixed phase, every switch has that
     /// phase.
-    TIMING = "switching.timing", "", Fixed, Holds::Word(Timing::WORDS), r#"timing = "random""#;
+    TIMING = "switching.timing", "", Fixed, ValueType::Word(Timing::WORDS), r#"timing = "random""#;
     /// Times at which the angle is estimated in addition to the end: ["10 min", "30 min"].
-    pub TIMES = "run.times", "", Fixed, Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
+    pub TIMES = "run.times", "", Fixed, ValueType::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
     /// Number of runs that are kept as trajectories; none if absent.
-    TRAJECTORIES = "run.trajectories", "", Fixed, Holds::Whole(0, 1000), "trajectories = 20";
+    TRAJECTORIES = "run.trajectories", "", Fixed, ValueType::Whole(0, 1000), "trajectories = 20";
 }
 
 /// The part of a study that is specific to whole runs.
@@ -121,26 +122,26 @@ impl SwitchedRun {
 }
 
 /// Every key of this kind.
-pub(crate) fn keys() -> Vec<&'static Key> {
-    let run = [schedule::KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
-    [&run[..], &gap_fill::keys_of_fill(), &relock::keys()].concat()
+fn keys() -> Vec<&'static Key> {
+    let run = [drift::SCHEDULE_KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
+    [&run[..], &gap_fill::keys_of_fill(), &point::keys()].concat()
 }
 
 /// The keys that can be swept.
 pub fn sweepable() -> Vec<&'static Key> {
-    let run = setting::keys(&schedule::SETTINGS).chain(setting::keys(&drift::SETTINGS));
-    run.chain(gap_fill::sweepable()).chain(relock::sweepable()).collect()
+    let run = sweep::keys(&drift::SCHEDULE_SETTINGS).chain(sweep::keys(&drift::SETTINGS));
+    run.chain(gap_fill::sweepable()).chain(point::sweepable()).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
-pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
+fn read(reading: &mut ParseContext) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
-    reading.set(&mut schedule, &schedule::SETTINGS)?;
+    reading.set(&mut schedule, &drift::SCHEDULE_SETTINGS)?;
     schedule.end = End::of(reading.get(&END));
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;
-    let relock = relock::read(reading, fill.as_ref())?;
+    let relock = point::read(reading, fill.as_ref())?;
     let times = read_times(reading)?;
     let trajectories = match reading.get(&TRAJECTORIES) {
         Some(given) => given.whole()?.cast_unsigned(),
@@ -159,7 +160,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
 }
 
 /// Refuses runs whose angle stays at 0 at every point.
-fn check_moves(points: &[Point], places: &Places) -> Result<(), Fault> {
+fn check_moves(points: &[Point], places: &SpanMap) -> Result<(), Fault> {
     let still = |point: &Point| {
         let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
         point.drift.is_nothing() && !filled && point.relock.is_none()
@@ -173,7 +174,7 @@ fn check_moves(points: &[Point], places: &Places) -> Result<(), Fault> {
 }
 
 /// Reads the switch, where fillers are given.
-fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
+fn read_fill(reading: &mut ParseContext, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
             let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
@@ -183,7 +184,7 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
         }
         return Ok(Some(gap_fill::read(reading)?));
     }
-    let of_fill = [&gap_fill::keys::GYRO, &MOTION, &NOISE, &GAP_TICKS, &FIT_TICKS, &EXTRAPOLATION_TICKS];
+    let of_fill = [&gap_fill::inputs::GYRO, &MOTION, &NOISE, &GAP_TICKS, &FIT_TICKS, &EXTRAPOLATION_TICKS];
     if let Some(written) = of_fill.into_iter().find_map(|key| reading.get(key)) {
         let name = written.key.name;
         let name = if written.key.holds.is_table() { format!("[{name}]") } else { name.to_owned() };
@@ -230,7 +231,7 @@ fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
 const MAX_TIMES: usize = 100;
 
 /// Reads the times in s, each once.
-fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
+fn read_times(reading: &mut ParseContext) -> Result<Vec<f64>, Fault> {
     reading.note(&[&TIMES]);
     let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };
     let items = list.items();
@@ -239,11 +240,134 @@ fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
         let help = format!("accepted: up to {MAX_TIMES}; trajectories show all of a run");
         return Err(list.fault(message, "too many", help));
     }
-    let time = |given: Given| match given.quantity()? {
+    let time = |given: SpannedValue| match given.quantity()? {
         time if time.value > 0.0 => Ok((time.to_string(), time.value)),
         time => {
             Err(given.fault(format!("run.times lists {time}"), "not above 0", "give times after the start"))
         }
     };
     list.distinct(time, "leave it out here")
+}
+
+/// Studies of the angles of whole runs.
+pub(crate) static SWITCHED_RUN: Kind = Kind {
+    name: "switched-run",
+    subject: "The error of the angle after a whole run of a gyro that switches modes.",
+    about: "Samples whole runs of a gyro that switches modes: the magnetic drift, whose sign every switch reverses, and the \
+            residuals of the switches. points.csv has the error of the angle at the end and at earlier times, `rms` and `p99_73` in arcsec, and \
+            the same divided by the time, `drift_rms` and `drift_p99_73` in °/h. `sagnac design` finds the best interval of such a study.",
+    template: include_str!("template.toml"),
+    is_exact: false,
+    trials: 100_000,
+    needs: &["switching", "run"],
+    keys,
+    sweepable,
+    columns: &[
+        (Source::Points, || abouts(&run::columns(true))),
+        (Source::Trajectories, || abouts(&run::trajectory_columns(true))),
+    ],
+    kernels: || format!("switched_run {VERSION}, {}", relock::kernels()),
+    loads: crate::kinds::switched_run::verify::loads,
+    read: |reading| Ok(Arc::new(read(reading)?)),
+};
+
+/// Bytes of memory of a lowered point, and of it for each switch; of a row of trajectories.
+const POINT: u64 = 5000;
+const SWITCH: u64 = 110;
+const MOMENT: u64 = 120;
+
+impl Subject for SwitchedRun {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Ablation> {
+        let (parts, points) = dissected(self.points.get(point)?);
+        Some(Ablation { parts, subject: Arc::new(SwitchedRun { points, trajectories: 0, ..self.clone() }) })
+    }
+
+    fn only(&self, row: usize) -> Option<(Arc<dyn Subject>, usize)> {
+        let angles = self.angles().len();
+        let (filler, angle) = (row / angles, row % angles);
+        let mut only = self.clone();
+        let fill = only.fill.as_mut()?;
+        fill.fillers = vec![fill.fillers.get(filler)?.clone()];
+        for of_point in only.points.iter_mut().filter_map(|point| point.fill.as_mut()) {
+            of_point.fills = [of_point.fills.get(filler)?.clone()].into();
+        }
+        Some((Arc::new(only), angle))
+    }
+
+    fn bytes(&self) -> u64 {
+        let (fillers, angles) = (self.fillers().len().max(1) as u64, self.angles().len() as u64);
+        let of_point = |point: &Point| {
+            let shown = 2 * point.switches().min(MAX_SHOWN) + 1;
+            POINT + ROW * angles + SWITCH * point.switches() + MOMENT * shown * self.trajectories
+        };
+        fillers * self.points.iter().map(of_point).sum::<u64>()
+    }
+
+    fn grounds(&self) -> Vec<TableSchema> {
+        let fillers = self.fillers();
+        let has_fillers = !fillers.is_empty();
+        let fillers = || has_fillers.then(|| Text::of(fillers.iter().map(|filler| &filler.name))).into_iter();
+        let angles = Text::of(self.angles().iter().map(Angle::name)).usual(Angle::End.name());
+        let runs = Text::of((1..=self.trajectories).map(|number| number.to_string()));
+        let none_kept =
+            ("the chart is of trajectories, and none are kept", "add them as in\n[run]\ntrajectories = 20");
+        let limits = &[Dimension::DriftRate, Dimension::Angle];
+        let (points, trajectories) =
+            (abouts(&run::columns(has_fillers)), abouts(&run::trajectory_columns(has_fillers)));
+        let points = TableSchema::of(Source::Points, points, fillers().chain([angles]), limits);
+        let trajectories = TableSchema {
+            // Trajectories start at 0, and their angles have both signs.
+            is_linear: true,
+            absent: (self.trajectories == 0).then_some(none_kept),
+            legend: ["single runs", points.legend[1]],
+            ..TableSchema::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
+        };
+        vec![points, trajectories]
+    }
+}
+
+/// The parts of the drift.
+static OF_DRIFT: [Part<Drift>; 4] = [
+    Part {
+        name: "magnetic drift",
+        off: |drift| {
+            (drift.magnetic, drift.magnetic_spread) = (0.0, 0.0);
+            (drift.initial_magnetic, drift.initial_magnetic_spread) = (0.0, 0.0);
+        },
+    },
+    Part {
+        name: "non-magnetic drift with its spread",
+        off: |drift| (drift.non_magnetic, drift.non_magnetic_spread) = (0.0, 0.0),
+    },
+    Part { name: "angle random walk", off: |drift| drift.angle_random_walk = 0.0 },
+    Part { name: "residuals of the switches", off: |drift| drift.residual_max = 0.0 },
+];
+
+/// The relock after each switch.
+static OF_RELOCK: [Part<Point>; 1] = [Part { name: "relock", off: |point| point.relock = None }];
+
+/// A point as it is, and without each of its parts in turn; its fillers keep their weights.
+fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+    let designed = |point: &Point| Point {
+        fill: point.fill.as_ref().map(|fill| gap_fill::dissected(fill).1.swap_remove(0)),
+        ..point.clone()
+    };
+    let point = designed(point);
+    let (mut names, drifts) = study::points(&point.drift, &OF_DRIFT);
+    let mut points: Vec<Point> = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
+    if let Some(fill) = &point.fill {
+        let (of_fill, fills) = gap_fill::dissected(fill);
+        names.extend(of_fill);
+        points.extend(fills.into_iter().skip(1).map(|fill| Point { fill: Some(fill), ..point.clone() }));
+    }
+    let (of_relock, relocked) = study::points(&point, &OF_RELOCK);
+    names.extend(of_relock);
+    points.extend(relocked.into_iter().skip(1));
+    (names, points)
 }

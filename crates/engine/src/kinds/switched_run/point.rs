@@ -1,14 +1,11 @@
-//! Points of a study of whole runs, each checked as a whole.
+//! Points of a study of whole runs, each checked as a whole, with the relock of each switch.
 
-use crate::drift::schedule::{self, End, Schedule};
-use crate::drift::{self, Drift};
-use crate::key::places::Places;
-use crate::key::setting;
-use crate::key::setting::Swept;
-use crate::key::sweep::{self, Sweep};
+use crate::drift::{self, Drift, End, Schedule};
+use crate::key::document::SpanMap;
+use crate::key::sweep::{self, Sweep, Swept};
+use crate::key::{Key, ParseContext, ValueType, keys};
 use crate::kinds::gap_fill::{self, GapFill};
-use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
-use crate::kinds::switched_run::relock::{self, Relocking};
+use crate::kinds::relock::{self, Compensation, LOOP_SETTINGS as RELOCK_SETTINGS, RELOCK_TABLE, Relock};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::round_12;
 use sagnac_base::source::diagnose::Fault;
@@ -38,7 +35,7 @@ pub struct Point {
     /// Schedule in whole ticks.
     pub schedule: Schedule,
     /// The switch; absent where the residual is given by its largest value.
-    pub fill: Option<gap_fill::point::Point>,
+    pub fill: Option<gap_fill::inputs::Point>,
     /// The relock after each switch.
     pub relock: Option<Relocking>,
 }
@@ -83,14 +80,14 @@ impl Point {
 }
 
 /// Time after a switch at which its loop is closed, s.
-fn settled_s(relocking: &Relocking, fill: &gap_fill::point::Point) -> f64 {
+fn settled_s(relocking: &Relocking, fill: &gap_fill::inputs::Point) -> f64 {
     let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
     let ticks_s = f64::from(relocking.relock.ticks) * fill.inputs.tick_s;
     gap_s + ticks_s.max(SETTLED * relocking.relock.loop_s)
 }
 
 /// Number of ticks from the first to the last that a filler reads.
-fn ticks_round_a_switch(fill: &gap_fill::point::Point) -> f64 {
+fn ticks_round_a_switch(fill: &gap_fill::inputs::Point) -> f64 {
     let ends = [0, fill.inputs.gap_ticks as i32];
     let ticks = fill.fills.iter().flat_map(|fill| &fill.fit_ticks);
     let [first, last] = ticks.fold(ends, |[first, last], &tick| [first.min(tick), last.max(tick)]);
@@ -104,7 +101,7 @@ pub(crate) struct Base<'a> {
     pub(crate) fill: Option<&'a GapFill>,
     pub(crate) relock: Option<Relocking>,
     pub(crate) times: &'a [f64],
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a SpanMap,
     pub(crate) sweeps: &'a [Sweep],
 }
 
@@ -131,16 +128,16 @@ impl Base<'_> {
         rounded: &mut Vec<String>,
     ) -> Result<Point, Fault> {
         let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
-        setting::set(&mut drift, &drift::SETTINGS, &swept);
-        setting::set(&mut schedule, &schedule::SETTINGS, &swept);
+        sweep::set(&mut drift, &drift::SETTINGS, &swept);
+        sweep::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
         let fill = self.fill.map(|fill| fill.points[index].clone());
         if let Some(fill) = &fill {
             schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
         }
         let mut relock = self.relock.clone();
         if let Some(relocking) = &mut relock {
-            setting::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
-            relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
+            sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+            relocking.compensation = swept_compensation(&swept).unwrap_or(relocking.compensation);
         }
         schedule.check(self.places)?;
         self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
@@ -152,7 +149,7 @@ impl Base<'_> {
     fn whole_ticks(
         &self,
         interval_s: f64,
-        fill: &gap_fill::point::Point,
+        fill: &gap_fill::inputs::Point,
         rounded: &mut Vec<String>,
     ) -> Result<f64, Fault> {
         let tick_s = fill.inputs.tick_s;
@@ -177,7 +174,7 @@ impl Base<'_> {
     fn check_relock(
         &self,
         relock: Option<&Relocking>,
-        fill: Option<&gap_fill::point::Point>,
+        fill: Option<&gap_fill::inputs::Point>,
         schedule: Schedule,
     ) -> Result<(), Fault> {
         let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };
@@ -248,4 +245,60 @@ impl Base<'_> {
         }
         Ok(())
     }
+}
+
+/// Relock after each switch, with the compensation of its ticks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Relocking {
+    /// Relock after each switch.
+    pub relock: Relock,
+    /// Compensation applied before the filler reads the ticks.
+    pub compensation: Compensation,
+}
+
+keys! {
+    /// The key that a relock study does not have.
+    static KEYS;
+    /// Compensation of the ticks; "none" if absent. A study of kind = "relock" compares all compensations.
+    COMPENSATION = "relock.compensation", "compensation", Choice, ValueType::Word(Compensation::WORDS), r#"compensation = "detuning""#;
+}
+
+/// Every key of a relock in a run.
+pub(crate) fn keys() -> Vec<&'static Key> {
+    [relock::KEYS, KEYS].concat()
+}
+
+/// The keys of a relock that can be swept.
+pub(crate) fn sweepable() -> impl Iterator<Item = &'static Key> {
+    sweep::keys(&relock::LOOP_SETTINGS).chain([&COMPENSATION])
+}
+
+/// The compensation selected by a sweep.
+fn swept_compensation(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
+    let name = sweep::named(swept, &COMPENSATION)?;
+    Compensation::ALL.into_iter().find(|compensation| compensation.name() == name)
+}
+
+/// Reads the relock, if there is one.
+pub(crate) fn read(reading: &mut ParseContext, fill: Option<&GapFill>) -> Result<Option<Relocking>, Fault> {
+    let Some(table) = reading.get(&RELOCK_TABLE) else {
+        let of_relock = |name: &str| sweepable().any(|key| key.name == name);
+        return reading.sweeps.iter().find(|sweep| of_relock(sweep.key.name)).map_or(Ok(None), |sweep| {
+            let message = format!("{} is swept, but there is no [relock]", sweep.key.name);
+            let help = "add the table [relock], or leave the sweep out";
+            Err(sweep.fault(message, "not in this study", help))
+        });
+    };
+    if fill.is_none() {
+        let message = "[relock] needs fillers and ticks, and there are none";
+        let help = "add [gyro], [motion] and switching.fillers, or leave [relock] out";
+        return Err(table.fault(message, "without fillers", help));
+    }
+    if let Some(list) = reading.get(&gap_fill::inputs::RELOCK) {
+        let message = "gyro.relock conflicts with [relock]";
+        return Err(list.fault(message, "a second relock", "leave one of them out"));
+    }
+    let relock = relock::read_loop(reading)?;
+    reading.note(&[&RELOCK_TABLE]);
+    Ok(Some(Relocking { relock, compensation: Compensation::of(reading.get(&COMPENSATION)) }))
 }

@@ -1,6 +1,6 @@
 //! Named runs that cover every distinction made by the kernel.
 
-use crate::device::load::Load;
+use crate::device::Workload;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::LoweredRun;
 use crate::study::Study;
@@ -105,8 +105,8 @@ const RUNS: [(&str, &[&str]); 12] = [
 ];
 
 /// The loads on which the kernel is checked.
-pub fn loads() -> Vec<Load> {
-    Load::of_launches(run_launches(), &["spreads", "warm-up"])
+pub fn loads() -> Vec<Workload> {
+    Workload::of_launches(run_launches(), &["spreads", "warm-up"])
 }
 
 /// Every launch of every named run.

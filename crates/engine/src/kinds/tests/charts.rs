@@ -1,10 +1,9 @@
 //! Kinds of charts, and laws: required keys, and reports of faults.
 
-use crate::chart::law::Law;
-use crate::chart::{Chart, Shows};
+use crate::chart::{Chart, Law, Shows};
 use crate::filler::Filler;
-use crate::filler::keys::Error;
-use crate::key::scale::Scale;
+use crate::filler::read::Error;
+use crate::key::sweep::Scale;
 use crate::kinds::tests::{parsed, refused, with};
 
 /// A study over frequency and gap ticks, with a chart of these lines from line 19 on.

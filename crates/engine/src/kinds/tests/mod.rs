@@ -6,12 +6,10 @@ mod refusals;
 
 use std::path::Path;
 
-use crate::key::scale::Scale;
-use crate::key::setting::Swept;
+use crate::key::sweep::{Scale, Swept};
 use crate::kinds::gap_fill::GapFill;
-use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::kinds::gap_fill::point::Point;
-use crate::kinds::keys::schema;
+use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
+use crate::kinds::schema;
 use crate::motion::{Motion, Tone};
 use crate::study::Study;
 use sagnac_base::quantity::units::{Dimension, Quantity};

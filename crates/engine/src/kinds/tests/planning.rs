@@ -6,8 +6,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::run::Plan as GapPlan;
-use crate::kinds::gap_fill::run::proven::Proven;
+use crate::kinds::gap_fill::run::{Plan as GapPlan, Proven};
 use crate::kinds::plan::PointsPlan;
 use crate::study::Study;
 use sagnac_base::progress::{Progress, Silent};
@@ -25,7 +24,7 @@ fn study(noise: &str, to: &str) -> Study {
     Study::parse("many.toml", &text).unwrap_or_else(|error| panic!("{}", error.render(false, 100)))
 }
 
-fn lowered(asked: &GapFill, study: &Study, place: usize) -> Result<Lowered, crate::key::refusal::Refusal> {
+fn lowered(asked: &GapFill, study: &Study, place: usize) -> Result<Lowered, crate::key::Unrepresentable> {
     Lowered::new(&asked.points[place], &asked.fillers, &asked.errors, study.seed, study.streams)
 }
 

@@ -1,13 +1,23 @@
 //! The words of a noise model, and the proof that they fit.
+//!
+//! Each word is within half its unit of what it stands for. A part whose standard deviation is off by a fraction ε adds at
+//! most var[(1 + ε)² − 1]; what moves the angle itself by a deviation of rms d adds 2·rms·d + d².
 
-use crate::key::refusal::{Refusal, shown};
-use crate::kinds::allan::lower::enough::check_decay;
-use crate::kinds::allan::lower::model::impossible;
-use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
+use core::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::Arc;
+
+use crate::key::{Unrepresentable, shown};
+use crate::kinds::allan::lower::theory::{PhysicalTheory, Theory, check_decay};
+use crate::kinds::allan::lower::{
+    DEVIATIONS, Markov, Model, Noise, Records, Sine, WarmUp, impossible, reach,
+};
+use crate::sampling;
 use sagnac_base::quantity::number::significant;
 use sagnac_kernel::moments::LIMIT;
 use sagnac_kernel::recipe::{FOUR_STREAMS, STREAMS};
 use sagnac_theory::allan::estimator::Difference;
+use sagnac_theory::allan::exponential::settling;
+use sagnac_theory::allan::quantizer;
 use sagnac_theory::allan::switching::Jumps;
 
 /// Units per LSB or per unit of the rate: of standard deviations, of those of Markov noise, and of the amplitude of a
@@ -44,7 +54,7 @@ impl Fixed {
     ///
     /// # Errors
     /// A part has too few of these units.
-    pub(crate) fn new(model: &Model) -> Result<Fixed, Refusal> {
+    pub(crate) fn new(model: &Model) -> Result<Fixed, Unrepresentable> {
         check_decay(model.noise.markov)?;
         let whole = libm::fmax(model.whole(Difference::Second), model.whole(Difference::Third));
         if !whole.is_finite() {
@@ -53,7 +63,7 @@ impl Fixed {
         }
         if whole == 0.0 {
             let help = "give at least one noise that is not 0";
-            return Err(Refusal::new("noise", "all of it is 0, and there is no readout", help));
+            return Err(Unrepresentable::new("noise", "all of it is 0, and there is no readout", help));
         }
         let finest = libm::floor(libm::log2(whole / LIMIT as f64));
         let fixed = match model.readout_lsb > 0.0 {
@@ -81,7 +91,7 @@ impl Fixed {
                 significant(unit_arcsec, 3)
             );
             let help = "leave readout_lsb out if pulses as fine as this change nothing; or take a shorter record";
-            Refusal::new("noise.readout_lsb", found, help)
+            Unrepresentable::new("noise.readout_lsb", found, help)
         })?;
         fixed.check(model, whole)?;
         Ok(fixed)
@@ -253,7 +263,7 @@ impl Fixed {
     }
 
     /// Largest relative deviation of a standard deviation of [`Noise::simple`] from that of the inputs.
-    pub(crate) fn simple_deviation(&self) -> f64 {
+    fn simple_deviation(&self) -> f64 {
         let [loss, step] = self.markov.map_or([0; 2], |[loss, step, _]| [loss, step]);
         let words = [self.quantization, self.white, step, loss];
         let half = words.into_iter().filter(|word| *word > 0).map(|word| 0.5 / f64::from(word));
@@ -340,4 +350,160 @@ fn streams(octave: usize) -> f64 {
 /// A unit of angle, followed by all coarser ones.
 fn coarser(lsb: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(lsb), |lsb| Some(2.0 * lsb)).take_while(|lsb| lsb.is_finite())
+}
+
+/// Largest rounding of an angle of the table of drift, LSB: half a unit, and that of the sums in floating point.
+const DRIFT_ROUNDING: f64 = 0.51;
+
+impl Records {
+    /// Relative difference of a theoretical value at `ms()[at]` from the closed form of the inputs, where there is one.
+    ///
+    /// # Errors
+    /// The difference exceeds what the rounding of words explains.
+    pub(crate) fn representation(
+        &self,
+        at: usize,
+        theory: &Theory,
+        physical: &PhysicalTheory,
+    ) -> Result<Option<f64>, Unrepresentable> {
+        let m = self.ms()[at];
+        let Some((words, inputs)) = theory.value.zip(physical.variance(m)) else { return Ok(None) };
+        let most = theory.representation + inputs.error;
+        let off = (words - inputs.value).abs();
+        if off > most || off.is_nan() {
+            let found = format!(
+                "the variance at an averaging time of {} s is {} (arcsec/s)^2 for the integers that would be sampled and {} \
+                 (arcsec/s)^2 for the inputs, which rounding to {} does not explain",
+                significant(self.sample_s * m as f64, 6),
+                shown(words),
+                shown(inputs.value),
+                shown(most)
+            );
+            let help = "this is a fault of the program: please report the study";
+            return Err(Unrepresentable::new("noise", found, help));
+        }
+        Ok(sampling::representation(Some(words), Some(inputs.value), most))
+    }
+
+    /// Bound of the deviation of the mean square at `m` except that of the readout, where the mean square of what all
+    /// records share is `trend`, LSB².
+    pub(crate) fn representation_bound(&self, m: u64, trend: f64) -> f64 {
+        let (fixed, difference) = (&self.fixed, self.estimator.difference);
+        let off = |mean_square: f64, d: f64| 2.0 * libm::sqrt(mean_square) * d + d * d;
+        let deviation = fixed.deviation();
+        let mut sum = deviation.variance(difference, m);
+        if let Some((markov, decays)) = fixed.noise().markov.zip(fixed.decays()) {
+            let alone = |decay: f64| {
+                let markov = Some(Markov { decay, ..markov });
+                Noise { quantization: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov }
+                    .variance(difference, m)
+            };
+            let own = alone(markov.decay);
+            // Half a unit is so little that the variance is a line, but for the higher orders in 1/loss.
+            sum += 2.0 * decays.map(|decay| libm::fabs(alone(decay) - own)).into_iter().fold(0.0, libm::fmax);
+        }
+        if let Some(jumps) = fixed.jumps() {
+            let variance = jumps.mean_square(self.estimator, self.recipe.samples.into(), m);
+            sum += fixed.jumps_deviation() * variance;
+        }
+        if let Some(sine) = fixed.wave() {
+            let spans = difference.spans() as f64;
+            let variance = sine.part().map_or(0.0, |part| part.variance(difference, 1.0, m));
+            let [amplitude, turns] = fixed.wave_deviation();
+            // The difference of a unit amplitude is |2 sin πfm|^spans.
+            let d = FRAC_1_SQRT_2
+                * (amplitude * Sine { amplitude: 1.0, ..sine }.largest(difference, m)
+                    + (sine.amplitude + amplitude)
+                        * spans
+                        * libm::exp2(spans - 1.0)
+                        * 2.0
+                        * PI
+                        * m as f64
+                        * turns);
+            sum += off(variance, d);
+        }
+        if !self.recipe.drift.is_empty() {
+            sum += off(trend, DRIFT_ROUNDING * reach(difference));
+        }
+        sum
+    }
+
+    /// Bound of the deviation of the contribution of reading whole pulses, LSB², where the products of the coefficients of
+    /// a difference add up to `pairs` in magnitude.
+    pub(crate) fn readout_bound(&self, pulse: f64, pairs: f64, m: u64) -> f64 {
+        let (fixed, difference) = (&self.fixed, self.estimator.difference);
+        let samples = (difference.spans() * m) as f64;
+        let of_noise = |noise: &Noise| quantizer::noise_variance(&noise.simple(), difference.spans() * m);
+        let noise = fixed.noise();
+        let [amplitude, turns] = fixed.wave_deviation();
+        let of_sine = fixed
+            .wave()
+            .map_or(0.0, |sine| 2.0 * amplitude + (sine.amplitude + amplitude) * 2.0 * PI * samples * turns);
+        // The covariance of two errors changes by at most half a pulse per LSB of the angle between them.
+        let between = fixed.simple_deviation() * libm::sqrt(of_noise(&noise))
+            + libm::sqrt(of_noise(&fixed.deviation()))
+            + of_sine
+            + 0.5 * samples / TURN
+            // Both sides take the angle between two readings in f64.
+            + 32.0 * f64::EPSILON * libm::fabs(fixed.rate.cast_signed() as f64 / TURN) * samples;
+        // Both are that near to white noise.
+        let white = 2.0 * quantizer::white_error(pulse, &fixed.less().simple(), difference, m);
+        libm::fmin(0.5 * pairs * pulse * between, white)
+    }
+}
+
+/// The angles at all samples, wrapped; empty where nothing drifts.
+///
+/// From a warm-up that outlasts the record, its initial rate is subtracted; it affects a readout only, and
+/// [`Fixed::rate`] contains it. The rest is not much larger than its differences, and keeps its digits.
+pub(crate) fn angles(model: &Model, fixed: &Fixed) -> Arc<[u32]> {
+    if !model.is_curved() && fixed.rate == 0 {
+        return Arc::new([]);
+    }
+    let end = model.samples as f64;
+    let angle = |sample: u64| {
+        let k = sample as f64;
+        let mut curved = 0.5 * model.ramp * k * k;
+        for warm_up in &model.warm_ups {
+            let passed = warm_up.decay * k;
+            curved += warm_up.reach
+                * match warm_up.decay * end < 1.0 {
+                    true => -settling(passed),
+                    false => -libm::expm1(-passed),
+                };
+        }
+        if let Some(switching) = &model.switching {
+            curved += switching.magnetic.signed_integral(switching.interval as f64, k);
+        }
+        let curved = libm::round(curved / fixed.lsb_arcsec * TURN) as i128 as u64;
+        let angle = fixed.rate.wrapping_mul(sample).wrapping_add(curved);
+        (angle.wrapping_add(1 << 31) >> 32) as u32
+    };
+    (0..=model.samples).map(angle).collect()
+}
+
+/// Mean square of the differences of the angles at `m`, `stride` apart, and the first of the differences, LSB.
+pub(crate) fn differences(
+    angles: &[u32],
+    difference: Difference,
+    stride: usize,
+    m: usize,
+    terms: u64,
+) -> [f64; 2] {
+    let at = |start: usize| -> i32 {
+        let angle = |n: usize| angles[start + n * m];
+        let second = |n: usize| {
+            angle(n + 2).wrapping_sub(angle(n + 1)).wrapping_sub(angle(n + 1).wrapping_sub(angle(n)))
+        };
+        match difference {
+            Difference::Second => second(0) as i32,
+            Difference::Third => second(1).wrapping_sub(second(0)) as i32,
+        }
+    };
+    if angles.is_empty() {
+        return [0.0; 2];
+    }
+    let square = |k: u64| u128::from(at(k as usize * stride).unsigned_abs()).pow(2);
+    let sum: u128 = (0..terms).map(square).sum();
+    [sum as f64 / terms as f64, f64::from(at(0))]
 }

@@ -6,11 +6,24 @@
 //! everything else, up to a factor e^{−2π²} and except for the first angle, which is 0. Otherwise, and for the sine and
 //! fill residuals, rounding is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d², where d is the largest difference that it
 //! can make.
+//!
+//! Random parts add by the closed forms of their terms. The differences of what all records share are a sum of
+//! G(k)·e^{−λk} over ramp, warm-ups and the alternating drift, where G has the period of two intervals between switches:
+//! the mean of their square is a geometric sum for each residue of k.
 
-use crate::kinds::allan::lower::fixed::TURN;
-use crate::kinds::allan::lower::model::{Noise, reach};
-use crate::kinds::allan::lower::{Records, drift};
+use crate::key::{Streams, Unrepresentable, shown};
+use crate::kinds::allan::lower::fixed::{self, Fixed, SIGMA_UNITS, TURN, loss};
+use crate::kinds::allan::lower::{Asked, Markov, Model, Noise, Records, Sine, reach};
+use crate::kinds::allan::{Inputs as RecordInputs, Point, Point as RecordPoint};
+use crate::kinds::plan::identity;
+use crate::store::Address;
+use crate::tally::Id;
+use sagnac_base::quantity::number::significant;
+use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac_theory::allan::exponential::mean_of_decay;
+use sagnac_theory::allan::process::Process;
 use sagnac_theory::allan::quantizer;
+use sagnac_theory::allan::switching::{Jumps, Switching};
 
 /// The expected estimate for the lowered words, (″/s)².
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +84,7 @@ impl Records {
         let (fixed, difference) = (&self.fixed, self.estimator.difference);
         let noise = fixed.noise();
         let stride = self.estimator.stride(m) as usize;
-        let [trend, first] = drift::differences(&self.recipe.drift, difference, stride, m as usize, terms);
+        let [trend, first] = fixed::differences(&self.recipe.drift, difference, stride, m as usize, terms);
         let squares: f64 = difference.coefficients().iter().map(|c| c * c).sum();
         // Σ|c| of the difference.
         let reach = reach(difference);
@@ -147,5 +160,301 @@ impl Records {
             Some(value) => Square { value, error: 0.0, representation: 0.0 },
             None => Square { value: white, error: bound, representation: 0.0 },
         }
+    }
+}
+
+/// Most residues that are summed; beyond them there is no closed form.
+const MAX_RESIDUES: u64 = 1 << 20;
+/// Error of the sum over what all records share, in floating point, of the sum of the squares of its parts.
+const SHARED_SUM_ERROR: f64 = 1e-12;
+
+/// The physical theory of records.
+#[derive(Debug, Clone)]
+pub(crate) struct PhysicalTheory {
+    pub(crate) process: Process,
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
+    pub(crate) readout_lsb: f64,
+    /// Constant rate, ″/s.
+    pub(crate) mean_rate: f64,
+    pub(crate) switching: Option<Switching>,
+    /// Samples of a record.
+    pub(crate) samples: u64,
+    pub(crate) estimator: Estimator,
+}
+
+/// A variance with its bound of error, (″/s)².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Variance {
+    pub(crate) value: f64,
+    pub(crate) error: f64,
+}
+
+/// A part of the differences of what all records share, G(k)·e^{−λk}, ″.
+struct Shared<'a> {
+    /// λ, per sample.
+    decay: f64,
+    /// G of a residue.
+    periodic: Box<dyn Fn(u64) -> f64 + 'a>,
+}
+
+impl PhysicalTheory {
+    /// The theory of the records of a point.
+    pub(crate) fn of(point: &Point, estimator: Estimator) -> PhysicalTheory {
+        let inputs = &point.inputs;
+        PhysicalTheory {
+            process: inputs.noise.process(inputs.sample_s, inputs.samples()),
+            readout_lsb: inputs.noise.readout_lsb,
+            mean_rate: inputs.rate,
+            switching: inputs.noise.switched(inputs.sample_s),
+            samples: inputs.samples(),
+            estimator,
+        }
+    }
+
+    /// The expected estimate at an averaging factor; `None` where it has no closed form: of whole pulses under flicker,
+    /// random walk, drift or switches.
+    pub(crate) fn variance(&self, m: u64) -> Option<Variance> {
+        let PhysicalTheory { process, samples, estimator, .. } = self;
+        let difference = estimator.difference;
+        let [shared, error] = self.shared(m)?;
+        let mut sum = process.variance(difference, m) + shared;
+        if let Some(Switching { interval, residual, residual_noise, .. }) = self.switching {
+            let variance = 0.5 * residual * residual + residual_noise * residual_noise;
+            sum += Jumps { interval, variance }.mean_square(*estimator, *samples, m);
+        }
+        if self.readout_lsb > 0.0 {
+            if self.switching.is_some() {
+                return None;
+            }
+            sum += quantizer::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
+        }
+        let tau = process.sample_s * m as f64;
+        let unit = 1.0 / (difference.divisor() * tau * tau);
+        Some(Variance { value: sum * unit, error: error * unit })
+    }
+
+    /// Mean square of the differences of what all records share, and its error, ″².
+    fn shared(&self, m: u64) -> Option<[f64; 2]> {
+        let (terms, stride) = (self.estimator.terms(self.samples, m), self.estimator.stride(m));
+        if terms == 0 {
+            return None;
+        }
+        let trends = self.process.parts.iter().filter_map(|part| {
+            let trend = part.trend(self.estimator.difference, self.process.sample_s, m)?;
+            Some(Shared { decay: trend.decay, periodic: Box::new(move |_| trend.first) })
+        });
+        let mut parts: Vec<Shared> = trends.collect();
+        let mut period = 1;
+        if let Some(switching) = self.switching.filter(Switching::drifts) {
+            period = 2 * switching.interval;
+            parts.extend(self.alternating(switching, m));
+        }
+        if parts.is_empty() {
+            return Some([0.0; 2]);
+        }
+        let residues = period / common_divisor(period, stride);
+        let summed = residues.min(terms);
+        if summed > MAX_RESIDUES {
+            return None;
+        }
+        // The residues of as many differences, and the rest of one less.
+        let counts = [terms.div_ceil(residues), terms / residues];
+        let step = (stride * residues) as f64;
+        let sum_of_decay = |a: &Shared, b: &Shared| {
+            counts.map(|count| match count {
+                0 => 0.0,
+                count => count as f64 * mean_of_decay(a.decay + b.decay, step, count),
+            })
+        };
+        let sums: Vec<Vec<[f64; 2]>> =
+            parts.iter().map(|a| parts.iter().map(|b| sum_of_decay(a, b)).collect()).collect();
+        let [mut mean, mut squares] = [0.0; 2];
+        for place in 0..summed {
+            let k = place * stride;
+            let which = usize::from(place >= terms - counts[1] * residues);
+            let value = |part: &Shared| (part.periodic)(k % period) * libm::exp(-part.decay * k as f64);
+            let values: Vec<f64> = parts.iter().map(value).collect();
+            for (a, row) in values.iter().zip(&sums) {
+                for (b, sum) in values.iter().zip(row) {
+                    mean += a * b * sum[which];
+                    squares += (a * b * sum[which]).abs();
+                }
+            }
+        }
+        Some([mean / terms as f64, SHARED_SUM_ERROR * squares / terms as f64])
+    }
+
+    /// The differences of the alternating drift: with w whole intervals before k and r samples since then, its angle is
+    /// (A + Ω_m0) times the distance in time from the nearest even switch, minus, up to a constant,
+    /// Aτ(−1)^w e^{−λk}(2e^{−λ(M − r)}/(1 + e^{−λM}) − 1).
+    fn alternating(&self, switching: Switching, m: u64) -> [Shared<'_>; 2] {
+        let Switching { interval, magnetic, .. } = switching;
+        let (t0, coefficients) = (self.process.sample_s, self.estimator.difference.coefficients());
+        let decay = t0 / magnetic.time_s;
+        let difference = move |angle: &dyn Fn(u64, f64) -> f64, k: u64| -> f64 {
+            let places = (0..).map(|span| span * m).zip(coefficients);
+            places.map(|(after, c)| c * angle((k + after) % (2 * interval), after as f64)).sum()
+        };
+        let linear = move |place: u64, _: f64| {
+            (magnetic.amplitude + magnetic.initial) * t0 * place.min(2 * interval - place) as f64
+        };
+        let decaying = move |place: u64, after: f64| {
+            let (sign, rest) = if place < interval { (1.0, place) } else { (-1.0, place - interval) };
+            let ahead = libm::exp(-decay * (interval - rest) as f64);
+            let shape = 2.0 * ahead / (1.0 + libm::exp(-decay * interval as f64)) - 1.0;
+            -magnetic.amplitude * magnetic.time_s * sign * libm::exp(-decay * after) * shape
+        };
+        [
+            Shared { decay: 0.0, periodic: Box::new(move |k| difference(&linear, k)) },
+            Shared { decay, periodic: Box::new(move |k| difference(&decaying, k)) },
+        ]
+    }
+}
+
+fn common_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
+/// Records of one point, with the address of their sums.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoweredCurve {
+    /// The noise in fixed point, with its closed forms.
+    pub records: Records,
+    /// Address of the sums of the records in the store.
+    pub address: Address,
+}
+
+impl LoweredCurve {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// The point cannot be represented; see [`Unrepresentable`].
+    pub fn new(
+        point: &RecordPoint,
+        estimator: Estimator,
+        seed: u64,
+        streams: Streams,
+    ) -> Result<LoweredCurve, Unrepresentable> {
+        let inputs = &point.inputs;
+        let (id, key) = identity("allan", seed, streams, &canonical(inputs));
+        let samples = inputs.samples();
+        let process = inputs.noise.process(inputs.sample_s, samples);
+        let asked = Asked {
+            process: &process,
+            readout_lsb: inputs.noise.readout_lsb,
+            mean_rate: inputs.rate,
+            switching: inputs.noise.switched(inputs.sample_s),
+            samples,
+            estimator,
+            ms: &point.ms,
+            key,
+        };
+        let records = Records::new(&asked)?;
+        let estimate = Id::of(&format!("estimate\n{}ms={:?}\n", named(estimator), point.ms));
+        let address = Address { point: id, estimate, digest: records.digest() };
+        Ok(LoweredCurve { records, address })
+    }
+}
+
+/// An estimator in identities.
+fn named(estimator: Estimator) -> String {
+    let difference = match estimator.difference {
+        Difference::Second => "second",
+        Difference::Third => "third",
+    };
+    let stride = match estimator.stride {
+        Stride::Sample => "1".to_owned(),
+        Stride::Cluster => "m".to_owned(),
+        Stride::Part(parts) => format!("m/{parts}"),
+    };
+    format!("difference={difference}\nstride={stride}\n")
+}
+
+/// The inputs that determine the draws.
+fn canonical(inputs: &RecordInputs) -> String {
+    let RecordInputs { sample_s, rate, noise, .. } = inputs;
+    // A constant rate affects whole pulses only.
+    let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
+    let (samples, noise) = (inputs.samples(), noise.canonical());
+    format!("sample_s={sample_s:.11e}\nsamples={samples}\nrate={rate:.11e}\n{noise}")
+}
+
+/// Fewest units of a standard deviation or an amplitude, which is then rounded by at most 1 %.
+const MIN_UNITS: f64 = 50.0;
+/// Fewest LSB of the largest difference of a ramp or a warm-up, and of the range of an alternating drift.
+const MIN_TREND: f64 = 128.0;
+/// Fewest units of 2^−32 turns by which the phase of a sine advances in a sample.
+const MIN_TURN: f64 = 64.0;
+
+/// Refuses a correlation so long that what the rate loses in a sample has too few units, whatever the unit of angle.
+pub(crate) fn check_decay(markov: Option<Markov>) -> Result<(), Unrepresentable> {
+    let Some(Markov { decay, .. }) = markov.filter(|markov| loss(markov.decay) < MIN_UNITS) else {
+        return Ok(());
+    };
+    let found = format!(
+        "a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
+        shown(1.0 / decay)
+    );
+    Err(Unrepresentable::new("noise.markov", found, "take a rate random walk in its place"))
+}
+
+impl Fixed {
+    /// Refuses the first part that is too small next to `whole`, the largest difference of the angle, ″. The message states their
+    /// ratio, without a unit, because the record of an accelerometer is simulated in µg·s instead.
+    pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Unrepresentable> {
+        let Model { noise, .. } = model;
+        let check = |key, what: &str, found: f64, units: f64, least: f64| {
+            if found == 0.0 || units >= least {
+                return Ok(());
+            }
+            let lost = format!(
+                "{what} is lost in 32-bit arithmetic: over {} samples the record has differences up to {} times as large",
+                model.samples,
+                significant(whole / libm::fabs(found), 3)
+            );
+            let help = "make it larger, or 0; or what is large beside it smaller, or the record shorter";
+            Err(Unrepresentable::new(key, lost, help))
+        };
+        let sigma = |key, what, found, word: u32| check(key, what, found, word.into(), MIN_UNITS);
+        let (key, what) = ("noise.quantization", "quantization noise");
+        sigma(key, what, noise.quantization, self.quantization)?;
+        let (key, what) = ("noise.angle_random_walk", "white noise");
+        check(key, what, noise.white, noise.white / self.lsb_arcsec * SIGMA_UNITS, MIN_UNITS)?;
+        let (key, what) = ("noise.bias_instability", "flicker noise");
+        for (&found, &word) in noise.octaves.iter().zip(core::iter::once(&self.white).chain(&self.flicker)) {
+            sigma(key, what, found, word)?;
+        }
+        sigma("noise.rate_random_walk", "a step of the rate", noise.walk, self.walk)?;
+        if let (Some(Markov { sigma: found, .. }), Some([_, step, _])) = (noise.markov, self.markov) {
+            sigma("noise.markov", "Markov noise", found, step)?;
+        }
+        if let (Some(Sine { amplitude, turns }), Some([_, word])) = (model.sine, self.sine) {
+            if libm::fabs(turns - libm::round(turns)) * TURN < MIN_TURN {
+                let found = format!(
+                    "{} periods a sample are too near a whole number: from sample to sample the phase must turn by more than \
+                     2^-26",
+                    significant(turns, 12)
+                );
+                let help = "take another frequency, or a rate ramp in its place";
+                return Err(Unrepresentable::new("noise.sine", found, help));
+            }
+            sigma("noise.sine", "a sine", amplitude, word)?;
+        }
+        let m = model.longest(Difference::Second) as f64;
+        let ramp = libm::fabs(model.ramp) * m * m / self.lsb_arcsec;
+        check("noise.rate_ramp", "a ramp", model.ramp, ramp, MIN_TREND)?;
+        for warm_up in &model.warm_ups {
+            let part = libm::expm1(-warm_up.decay * m);
+            let largest = libm::fabs(warm_up.reach) * part * part / self.lsb_arcsec;
+            check("noise.warm_up", "a warm-up", warm_up.rate(), largest, MIN_TREND)?;
+        }
+        if let Some(switching) = model.switching {
+            let (key, what) = ("noise.switching.magnetic", "an alternating angle");
+            check(key, what, model.sawtooth, model.sawtooth / self.lsb_arcsec, MIN_TREND)?;
+            let [_, amplitude, noise] = self.switching.unwrap_or_default();
+            sigma("noise.switching.residual", "an amplitude", switching.residual, amplitude)?;
+            sigma("noise.switching.residual_noise", "a noise", switching.residual_noise, noise)?;
+        }
+        Ok(())
     }
 }

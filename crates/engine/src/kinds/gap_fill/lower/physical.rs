@@ -2,18 +2,23 @@
 //! the same motion. Every number has 12 significant digits.
 
 use std::fmt::Write as _;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
-use crate::key::refusal::Refusal;
+use crate::filler::read::Error;
+use crate::key::Unrepresentable;
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::fixed::FixedProfile;
+use crate::kinds::gap_fill::lower::readout::{self, Functional, Response};
+use crate::kinds::gap_fill::lower::{Estimate, Lowered, functionals};
 use crate::motion::keys::{Design, Phase, Position};
-use crate::motion::replay::Replay;
-use crate::motion::vibration::Acceleration;
-use crate::motion::{Frequency, Gaussian, Value};
+use crate::motion::{Acceleration, Frequency, Gaussian, Replay, Value};
+use crate::tally::{Id, LEVEL};
 use sagnac_base::quantity::units::round_12;
 use sagnac_kernel::gap_fill::shape::MARGIN;
 use sagnac_kernel::normal::REACH;
+use sagnac_kernel::relock_ticks::MAX_TICKS;
 use sagnac_theory::gap::tick_amplitude;
+use sagnac_theory::memo::Memo;
 use sagnac_theory::rows::TickRows;
 
 /// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
@@ -77,7 +82,7 @@ pub(crate) struct PhysicalProfile {
 
 impl Physical {
     /// The canonical inputs, with the Gaussian motion of that number of ticks on either side of the gap.
-    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Refusal> {
+    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Unrepresentable> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
         // Where one frequency is drawn, the kernel draws all of them, a fixed one from a band of zero width.
@@ -135,7 +140,7 @@ impl Physical {
             if count + before > MAX_PROFILE_TICKS {
                 let count = count + before;
                 let found = format!("the record `{file}` has {count} ticks, more than {MAX_PROFILE_TICKS}");
-                return Err(Refusal::new("motion.profile", found, "cut the record, or take a longer tick"));
+                return Err(Unrepresentable::new("motion.profile", found, "cut the record, or take a longer tick"));
             }
             let needed = 2 * MARGIN + inputs.gap_ticks as usize;
             let Some(rest) = count.checked_sub(needed) else {
@@ -150,7 +155,7 @@ impl Physical {
                 let found = format!(
                     "{of} `{file}` has {count} whole ticks, too few for a gap of {gap_ticks} with {MARGIN} ticks on either side"
                 );
-                return Err(Refusal::new("motion.profile", found, help));
+                return Err(Unrepresentable::new("motion.profile", found, help));
             };
             let replay = profile.replay(tick_s);
             Ok(PhysicalProfile { replay, every: profile.position == Position::Every, positions: rest + 1 })
@@ -237,5 +242,206 @@ impl Physical {
             line(format_args!("profile={} every={}", profile.replay.content, profile.every));
         }
         text
+    }
+}
+
+/// The angles of a replay in units, and the responses to them.
+#[derive(Debug)]
+pub(crate) struct Rounded {
+    /// Angle since the start at the boundaries of ticks, LSB, wrapped.
+    pub(crate) angles: Arc<[u32]>,
+    /// Identifies the angles.
+    pub(crate) content: Id,
+    responses: Memo<Asked, Response>,
+}
+
+/// What a response depends on besides the angles.
+#[derive(Debug, PartialEq)]
+struct Asked {
+    ticks: Vec<i32>,
+    weights: Vec<i64>,
+    scale: i64,
+    gap: i32,
+    positions: usize,
+    constant: u64,
+}
+
+/// Most responses that are kept of one replay: those of a dozen fillers at as many gaps.
+const MAX_RESPONSES: usize = 256;
+
+/// Number of positions that are summed together, tick by tick, so that the compiler can use vector instructions.
+const AT_ONCE: usize = 256;
+
+/// The angles of a replay, which is recognized by its place in memory, in units of so many ″. They have up to 16 MB each.
+static ROUNDED: Memo<Unit, Arc<Rounded>> = Memo::new(8);
+
+/// A replay with a unit of angle.
+struct Unit {
+    replay: Weak<Replay>,
+    lsb: u64,
+}
+
+impl PartialEq for Unit {
+    fn eq(&self, other: &Unit) -> bool {
+        self.replay.ptr_eq(&other.replay) && self.lsb == other.lsb
+    }
+}
+
+impl PartialEq for Rounded {
+    fn eq(&self, other: &Rounded) -> bool {
+        self.content == other.content
+    }
+}
+
+impl Rounded {
+    /// The angles of a replay in units of `lsb_arcsec`.
+    pub(crate) fn of(replay: &Arc<Replay>, lsb_arcsec: f64) -> Arc<Rounded> {
+        let unit = Unit { replay: Arc::downgrade(replay), lsb: lsb_arcsec.to_bits() };
+        ROUNDED.get(unit, || {
+            let mut sum = 0.0;
+            let ends = replay.angles.iter().map(|angle| {
+                sum += angle;
+                // Only differences are used, so the angle may wrap.
+                libm::round(sum / lsb_arcsec) as i64 as u32
+            });
+            let angles: Arc<[u32]> = core::iter::once(0).chain(ends).collect();
+            let content = Id::of_words(angles.iter().copied());
+            Arc::new(Rounded { angles, content, responses: Memo::new(MAX_RESPONSES) })
+        })
+    }
+}
+
+impl FixedProfile {
+    /// The angle from the start of the gap at one of the positions to the end of a tick, LSB, wrapped.
+    pub(crate) fn angle(&self, position: usize, tick: i32) -> i32 {
+        let start = position + MARGIN;
+        let end = start.wrapping_add_signed(tick as isize);
+        self.rounded.angles[end].wrapping_sub(self.rounded.angles[start]) as i32
+    }
+
+    /// The response, with a `constant` error beside the motion.
+    pub(crate) fn response(&self, f: &Functional, constant: f64) -> Response {
+        let asked = Asked {
+            ticks: f.ticks.to_vec(),
+            weights: f.weights.to_vec(),
+            scale: f.scale,
+            gap: f.gap,
+            positions: self.positions,
+            constant: constant.to_bits(),
+        };
+        self.rounded.responses.get(asked, || self.compute_response(f, constant))
+    }
+
+    fn compute_response(&self, f: &Functional, constant: f64) -> Response {
+        let (mut sum, mut square, mut terms) = (0.0, 0.0, 0.0_f64);
+        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut sizes = Vec::with_capacity(self.positions);
+        let mut filled = [[0.0_f64; 2]; AT_ONCE];
+        for start in (0..self.positions).step_by(AT_ONCE) {
+            let filled = &mut filled[..AT_ONCE.min(self.positions - start)];
+            filled.fill([0.0; 2]);
+            for (&tick, &w) in f.ticks.iter().zip(f.weights) {
+                let ends = &self.rounded.angles[(start + MARGIN).wrapping_add_signed(tick as isize - 1)..];
+                for (filled, ends) in filled.iter_mut().zip(ends.windows(2)) {
+                    let x = w as f64 * f64::from(ends[1].wrapping_sub(ends[0]) as i32);
+                    *filled = [filled[0] + x, filled[1] + x.abs()];
+                }
+            }
+            for (place, [filled, size]) in filled.iter().enumerate() {
+                let gap = f.scale as f64 * f64::from(self.angle(start + place, f.gap));
+                let e = filled - gap;
+                sum += e;
+                square += e * e;
+                (least, greatest) = (least.min(e), greatest.max(e));
+                sizes.push((e + constant).abs());
+                terms = terms.max(size + gap.abs());
+            }
+        }
+        let count = self.positions as f64;
+        let mean = sum / count;
+        let rank = ((LEVEL * count) as usize).min(self.positions - 1);
+        let level = *sizes.select_nth_unstable_by(rank, f64::total_cmp).1;
+        Response {
+            mean,
+            variance: (square / count - mean * mean).max(0.0),
+            bound: least.abs().max(greatest.abs()),
+            largest: Some((least + constant).abs().max((greatest + constant).abs())),
+            level: Some(level),
+            terms,
+            ..Response::default()
+        }
+    }
+}
+
+/// The residual of a switch, ″.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Residual {
+    /// Sines of the phases of the tones.
+    pub tones: Vec<ResidualTone>,
+    /// Constant part, the same at every switch.
+    pub constant_arcsec: f64,
+    /// Variance of the part that is normally distributed or taken as such: noise, Gaussian motion, fractions of a
+    /// pulse, drawn amplitudes and frequencies, profiles.
+    pub variance_arcsec2: f64,
+    /// Weights of the filler on the ticks n+1, n+2, … as far as a relock can reach.
+    pub after: Vec<f64>,
+}
+
+impl Residual {
+    /// Root mean square over switches, ″.
+    pub fn rms(&self) -> f64 {
+        let squares = self.tones.iter().map(|tone| 0.5 * tone.amplitude_arcsec * tone.amplitude_arcsec);
+        let swinging: f64 = squares.sum();
+        libm::sqrt(self.constant_arcsec * self.constant_arcsec + self.variance_arcsec2 + swinging)
+    }
+}
+
+/// The part of the residual from a tone of random phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResidualTone {
+    /// Amplitude of the residual angle, ″.
+    pub amplitude_arcsec: f64,
+    /// Index of the tone in the motion.
+    pub tone: usize,
+}
+
+impl Lowered {
+    /// The residual of a filler, from the words with which its trials are sampled; `None` where it has none.
+    pub fn residual(&self, filler: usize) -> Option<Residual> {
+        let estimate: &Estimate =
+            self.fillers[filler].iter().find(|estimate| estimate.error == Error::Residual)?;
+        let fixed = &self.fixed;
+        let all = functionals(&estimate.rows, Error::Residual, fixed.gap_ticks);
+        let f = all.last()?;
+        let whole = fixed.response(f);
+        let (mut mean, mut variance) = (whole.mean, whole.variance);
+        let mut tones = Vec::new();
+        for (place, tone) in fixed.tones.iter().enumerate() {
+            if tone.is_sine() {
+                let part = tone.response(f, fixed.gap_ticks);
+                // A sine of uniform phase has half its squared amplitude as variance.
+                mean -= part.mean;
+                variance -= part.variance;
+                tones.push((place, libm::sqrt(2.0 * part.variance)));
+            }
+        }
+        let sigma = fixed.sigma_lsb() * f.noise_gain();
+        let fractions = readout::variance(fixed, f);
+        let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
+        // Differences of equal numbers may come out below 0.
+        let normal = (variance.max(0.0) + sigma * sigma + fractions).max(0.0);
+        let weight = |tick: i32| {
+            let place = f.ticks.iter().position(|&own| own == tick);
+            place.map_or(0.0, |place| f.weights[place] as f64 / f.scale as f64)
+        };
+        let after = (1..=MAX_TICKS as i32).map(|k| weight(fixed.gap_ticks + k));
+        let tones =
+            tones.into_iter().map(|(tone, size)| ResidualTone { tone, amplitude_arcsec: size * unit });
+        Some(Residual {
+            tones: tones.filter(|tone| tone.amplitude_arcsec > 0.0).collect(),
+            constant_arcsec: mean * unit,
+            variance_arcsec2: normal * unit * unit,
+            after: after.collect(),
+        })
     }
 }

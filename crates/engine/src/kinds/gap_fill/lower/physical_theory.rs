@@ -10,13 +10,12 @@
 use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 use std::collections::{BTreeMap, HashMap};
 
-use crate::filler::keys::Error;
+use crate::filler::read::Error;
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::fixed::Rows;
 use crate::kinds::gap_fill::lower::readout::class;
-use crate::kinds::gap_fill::lower::weights::Rows;
 use crate::motion::keys::Phase;
-use crate::motion::replay::WindowMeans;
-use crate::motion::{Frequency, Tone, Value};
+use crate::motion::{Frequency, Tone, Value, WindowMeans};
 use sagnac_kernel::gap_fill::shape::MARGIN;
 use sagnac_theory::double::Double;
 use sagnac_theory::memo::Memo;

@@ -3,12 +3,9 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
-use crate::key::refusal::{Refusal, shown};
-use crate::kinds::lock_in::inputs::{AMPLITUDE_NOISE, DITHER_RATE, LENGTH, THRESHOLD};
-use crate::kinds::lock_in::lower::steps::{Steps, largest};
-use crate::kinds::lock_in::motion;
-use crate::kinds::lock_in::point::Times;
-use crate::kinds::lock_in::{Inputs, Readout};
+use crate::key::{Unrepresentable, shown};
+use crate::kinds::lock_in::lower::{self, Steps, largest};
+use crate::kinds::lock_in::{AMPLITUDE_NOISE, DITHER_RATE, Inputs, LENGTH, Readout, THRESHOLD, Times};
 use crate::motion::Motion;
 use sagnac_kernel::lock_in::{KICKS, LockIn, ROUND, Readout as Angle, SHORT_SINE};
 use sagnac_kernel::normal::REACH;
@@ -58,7 +55,7 @@ pub(crate) struct Fixed {
 }
 
 impl Fixed {
-    pub(crate) fn new(inputs: &Inputs, times: &Times, steps: Steps) -> Result<Fixed, Refusal> {
+    pub(crate) fn new(inputs: &Inputs, times: &Times, steps: Steps) -> Result<Fixed, Unrepresentable> {
         let q = inputs.scale_factor;
         let kick = inputs.threshold * steps.step_s / q;
         // A round adds at most ROUND·c, which stays below 2^31 units.
@@ -66,7 +63,7 @@ impl Fixed {
         if fine < 0.0 {
             let found =
                 format!("a step of the integration locks by {} turns, and the most are 0.03", shown(kick));
-            return Err(Refusal::new(THRESHOLD.name, found, "take a lower threshold"));
+            return Err(Unrepresentable::new(THRESHOLD.name, found, "take a lower threshold"));
         }
         let (half_s, count) = ((steps.half * ROUND as u64) as f64 * steps.step_s, steps.count(times));
         let beam = inputs.beam_noise / q * libm::sqrt(half_s);
@@ -81,7 +78,7 @@ impl Fixed {
         if fine < 0.0 {
             let found =
                 format!("the beam turns by {} turns in a half-cycle, and the most are 0.03", shown(beam));
-            return Err(Refusal::new("lock_in.beam_noise", found, "take less noise of the beam"));
+            return Err(Unrepresentable::new("lock_in.beam_noise", found, "take less noise of the beam"));
         }
         let (amplitude, amplitude_bits, dither) = match &inputs.dither {
             Some(dither) => {
@@ -91,7 +88,7 @@ impl Fixed {
                 if bits < 12.0 {
                     let found =
                         format!("the dither turns the beat by {} turns, and the most are 5e5", shown(most));
-                    return Err(Refusal::new(DITHER_RATE.name, found, "take a lower dither rate"));
+                    return Err(Unrepresentable::new(DITHER_RATE.name, found, "take a lower dither rate"));
                 }
                 (amplitude, bits, if dither.readout == Readout::Stripped { 0.0 } else { most })
             }
@@ -112,7 +109,7 @@ impl Fixed {
                 shown(largest_angle + dither),
                 shown((largest_angle + 4.0 * dither) / MAX_ANGLE)
             );
-            return Err(Refusal::new(LENGTH.name, found, "take a shorter record"));
+            return Err(Unrepresentable::new(LENGTH.name, found, "take a shorter record"));
         }
         let kernel_sample_s = times.sample_s / steps.division as f64;
         Ok(Fixed {
@@ -137,7 +134,7 @@ impl Fixed {
         samples: u64,
         order: u32,
         levels: Vec<Level>,
-    ) -> Result<LockIn, Refusal> {
+    ) -> Result<LockIn, Unrepresentable> {
         let Fixed { steps, fine, .. } = *self;
         let unit = libm::exp2(f64::from(32 + fine));
         let of_amplitude = libm::exp2(f64::from(self.amplitude_bits));
@@ -147,7 +144,7 @@ impl Fixed {
             match () {
                 () if part > 0.0 && word < MIN_SIGMA => {
                     let found = format!("{} of the amplitude is lost in 32 bits", shown(part));
-                    Err(Refusal::new(key, found, "make it larger, or 0"))
+                    Err(Unrepresentable::new(key, found, "make it larger, or 0"))
                 }
                 () => Ok(libm::round(word) as u32),
             }
@@ -217,18 +214,18 @@ impl Fixed {
         motion: &Motion,
         scale_factor: f64,
         recipe: &mut LockIn,
-    ) -> Result<f64, Refusal> {
+    ) -> Result<f64, Unrepresentable> {
         let count = recipe.half_cycles();
         if count > MAX_HALVES {
             let found = format!(
                 "the record has {} half-cycles, and with [motion] the most are {MAX_HALVES}",
                 shown(count as f64)
             );
-            return Err(Refusal::new(LENGTH.name, found, "take a shorter record"));
+            return Err(Unrepresentable::new(LENGTH.name, found, "take a shorter record"));
         }
         let interval = self.steps.interval / self.steps.half as f64;
         let needed = libm::ceil(f64::from(recipe.samples) * interval) as usize;
-        let angles = motion::angles(motion, self.half_s, needed)?;
+        let angles = lower::angles(motion, self.half_s, needed)?;
         // The words of the half-cycles are differences of rounded angles, so that their sum does not drift.
         let unit = WORD / scale_factor / (self.steps.half as f64 * ROUND as f64);
         let rounded = |angle: f64| libm::round(angle * unit) as i64;

@@ -2,36 +2,32 @@
 //!
 //! Every part has a unit of at most 2^−29 of the largest angle that a run can reach.
 
-pub(crate) mod drift;
-pub(crate) mod fixed;
-pub(crate) mod launch;
-pub(crate) mod physical_theory;
-pub(crate) mod relocking;
 pub(crate) mod theory;
-pub(crate) mod warm_up;
 
-pub use crate::kinds::switched_run::lower::theory::RunTheory;
-
-use crate::drift::schedule::{End, Schedule};
+use crate::drift::{End, Schedule};
 use crate::filler::Filler;
-use crate::filler::keys::Error;
-use crate::key::common::Streams;
-use crate::key::refusal::Refusal;
+use crate::filler::read::Error;
+use crate::key::{Streams, Unrepresentable};
+use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words, mask};
+use crate::kinds::gap_fill::lower::physical::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::physical_theory::{PhysicalTheory, Switch};
-use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
 use crate::kinds::plan::identity;
-use crate::kinds::switched_run::lower::drift::Drift;
-use crate::kinds::switched_run::lower::fixed::Fixed;
-use crate::kinds::switched_run::lower::physical_theory::PhysicalRun;
-use crate::kinds::switched_run::lower::relocking::FixedRelocking;
+pub use crate::kinds::switched_run::lower::theory::RunTheory;
+use crate::kinds::switched_run::lower::theory::{
+    Coupled, Drift, FixedRelocking, INTERVALS, PhysicalRun, Row, WarmUp,
+};
 use crate::kinds::switched_run::point::Point as RunPoint;
-use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
-use crate::sampling::found;
+use crate::kinds::switched_run::{Angle as RunAngle, FirstMode, SwitchedRun, Timing};
+use crate::motion::Frequency;
+use crate::sampling;
 use crate::store::Address;
-use crate::tally::id::Id;
-use sagnac_kernel::moments::level;
+use crate::tally::Id;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::moments::{LIMIT, MAX_ESTIMATES, level};
+use sagnac_kernel::normal::REACH;
 use sagnac_kernel::switched_run;
+use sagnac_kernel::switched_run::shape::{Parameters, Shape};
 
 /// A point of a study of whole runs, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,13 +120,13 @@ impl LoweredRun {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The switch cannot be represented; see [`Refusal`].
+    /// The switch cannot be represented; see [`Unrepresentable`].
     pub fn new(
         point: &RunPoint,
         study: &SwitchedRun,
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredRun, Refusal> {
+    ) -> Result<LoweredRun, Unrepresentable> {
         let (switch, residuals) = residuals(point, study, seed, streams)?;
         let text = canonical(point, study, &switch);
         let (id, key) = identity("switched-run", seed, streams, &text);
@@ -164,9 +160,9 @@ impl LoweredRun {
                 let most = fixed.representation(point.switches() as f64 + 1.0, of_switch);
                 if let Some(both) = words.zip(inputs) {
                     let what = format!("the angle `{}` of `{name}`", angle.name());
-                    found::check_representation("run.duration", &what, both.into(), most)?;
+                    sampling::check_representation("run.duration", &what, both.into(), most)?;
                 }
-                let representation = found::representation(words, inputs, most);
+                let representation = sampling::representation(words, inputs, most);
                 let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
                 let more = fixed.time_words(place).into_iter().chain([bin_base]);
                 Ok(RunEstimate {
@@ -179,12 +175,12 @@ impl LoweredRun {
                 })
             };
             let estimates = study.angles().into_iter().enumerate();
-            let estimates = estimates.map(estimate).collect::<Result<_, Refusal>>()?;
+            let estimates = estimates.map(estimate).collect::<Result<_, Unrepresentable>>()?;
             let shown = exact.as_deref().unwrap_or(&fixed);
             let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
             Ok(FilledRun { key, estimates, trajectory, fixed, exact, residual })
         };
-        let fillers = residuals.into_iter().map(filled).collect::<Result<_, Refusal>>()?;
+        let fillers = residuals.into_iter().map(filled).collect::<Result<_, Unrepresentable>>()?;
         Ok(LoweredRun { id, fillers })
     }
 }
@@ -207,7 +203,7 @@ fn residuals(
     study: &SwitchedRun,
     seed: u64,
     streams: Streams,
-) -> Result<(String, Vec<Switched>), Refusal> {
+) -> Result<(String, Vec<Switched>), Unrepresentable> {
     let Some(fill) = &point.fill else {
         let amplitude_arcsec = point.drift.residual_max;
         let tone = ResidualTone { amplitude_arcsec, tone: 0 };
@@ -257,4 +253,324 @@ fn canonical(point: &RunPoint, study: &SwitchedRun, switch: &str) -> String {
         study.timing,
         point.drift.canonical(),
     )
+}
+
+/// The angle at the end and the largest one, which precede those at given times.
+const ENDS: usize = 2;
+
+impl FilledRun {
+    /// The launches of the filler's runs, each with the indices of its estimates.
+    pub fn launches(&self) -> Vec<(Launch, Vec<usize>)> {
+        let all: Vec<usize> = (0..self.estimates.len()).collect();
+        let launch = |places: &[usize]| (self.launch(&self.fixed, places), places.to_vec());
+        all.chunks(MAX_ESTIMATES).map(launch).collect()
+    }
+
+    fn launch(&self, fixed: &Fixed, places: &[usize]) -> Launch {
+        let ends = places[0] == 0;
+        let times: Vec<usize> = places.iter().filter_map(|place| place.checked_sub(ENDS)).collect();
+        let shape = shape(fixed, ends, times.len());
+        let only = |wanted: bool, words: Vec<u32>| if wanted { words } else { vec![] };
+        let of_tones = |word: fn(&FixedTone) -> u32| -> Vec<u32> { fixed.tones.iter().map(word).collect() };
+        let of_times = |word: fn(&FixedTime) -> u32| -> Vec<u32> {
+            times.iter().map(|&time| word(&fixed.times[time])).collect()
+        };
+        let of_warm_up =
+            |words: fn(&WarmUp) -> Vec<u32>| -> Vec<u32> { fixed.warm_up.iter().flat_map(words).collect() };
+        let bin_base: Vec<u32> = places.iter().map(|&place| self.estimates[place].bin_base).collect();
+        let (relock_weight, bits) =
+            fixed.relock.as_ref().map(|relock| relock.weights(fixed.lsb_arcsec)).unwrap_or_default();
+        let words = Parameters {
+            key: &self.key,
+            intervals: &[fixed.ends.len() as u32],
+            walk_sigma: &only(shape.walk, fixed.walk.to_vec()),
+            noise: &only(shape.noise, vec![fixed.noise]),
+            warm_up_spread: &of_warm_up(|warm_up| vec![warm_up.spread_word()]),
+            halving_bits: &of_warm_up(|warm_up| vec![warm_up.halving_bits]),
+            halvings: &of_warm_up(|warm_up| vec![warm_up.interval_halvings()]),
+            time_bits: &of_warm_up(|warm_up| vec![warm_up.time_bits]),
+            heated: &of_warm_up(|warm_up| warm_up.heated().map(|word| word as u32).to_vec()),
+            relock: fixed.relock.as_ref().map_or(&[], |relock| &relock.words),
+            relock_weight: &relock_weight,
+            relock_bits: &only(fixed.relock.is_some(), vec![bits]),
+            constant: &long_words(fixed.constant),
+            amplitude: &of_tones(|tone| tone.amplitude),
+            phase_step: &of_tones(|tone| tone.step),
+            switch_spread: &of_tones(|tone| mask(tone.each)),
+            run_spread: &of_tones(|tone| mask(!tone.each)),
+            time_interval: &of_times(|time| time.row.switches as u32),
+            time_walk: &only(shape.walk, of_times(|time| time.walk)),
+            time_bridge: &only(shape.walk, of_times(|time| time.bridge)),
+            bin_base: &bin_base,
+        }
+        .words();
+        let rows = fixed.ends.iter().chain(times.iter().map(|&time| &fixed.times[time].row));
+        let rows = rows.flat_map(|row| table_row(row, shape));
+        let drawn = fixed.drawn.iter().filter(|_| shape.any_end).flat_map(|end| end_row(end, shape));
+        let table = rows.chain(drawn).collect();
+        Launch::new(shape, words, table).expect("lowered words and tables are those of the shape")
+    }
+
+    /// The launch of trajectories, and its shape.
+    pub fn trajectories(&self) -> (Launch, Shape) {
+        (self.launch(self.shown(), &[0, 1]), shape(self.shown(), true, 0))
+    }
+}
+
+fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
+    let deviates = |part: usize| fixed.ends.iter().any(|row| row.deviations[part] != 0);
+    Shape {
+        ends,
+        times,
+        walk: fixed.walk != [0, 0],
+        noise: fixed.noise != 0,
+        tones: fixed.tones.len(),
+        magnetic: deviates(0),
+        initial: deviates(1),
+        non_magnetic: deviates(2),
+        mode: fixed.mode,
+        warm_up: fixed.warm_up.is_some(),
+        relock: fixed.relock.as_ref().map(|relock| relock.shape),
+        any_end: ends && !fixed.drawn.is_empty(),
+    }
+}
+
+fn table_row(row: &FixedRow, shape: Shape) -> Vec<u32> {
+    let Shape { mode, magnetic, initial, non_magnetic, warm_up, .. } = shape;
+    let has = [true, mode, magnetic, initial, non_magnetic, warm_up, warm_up];
+    has.into_iter().zip(row.words()).filter(|(has, _)| *has).map(|(_, word)| word).collect()
+}
+
+fn end_row(end: &FixedTime, shape: Shape) -> Vec<u32> {
+    let walk = if shape.walk { vec![end.walk, end.bridge] } else { vec![] };
+    table_row(&end.row, shape).into_iter().chain([end.row.switches as u32]).chain(walk).collect()
+}
+
+/// Number of standard deviations of the sum of many switches and the random walk for which there is room; not one run
+/// in 10^27 exceeds it.
+const ROOM: f64 = 16.0;
+
+/// log2 of the finest unit of 2^−24 ″.
+const FINEST: i32 = 24;
+
+/// The runs of a point with one filler, with angles in LSB.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fixed {
+    pub(crate) lsb_arcsec: f64,
+    /// Drift at the end of each interval.
+    pub(crate) ends: Vec<FixedRow>,
+    pub(crate) times: Vec<FixedTime>,
+    /// Ends that are equally likely; none where the end is that of the last interval.
+    pub(crate) drawn: Vec<FixedTime>,
+    /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
+    pub(crate) walk: [u32; 2],
+    /// Standard deviation of the normal part of a residual, 2^−4 LSB.
+    pub(crate) noise: u32,
+    /// Part common to all residuals, 2^−32 LSB.
+    pub(crate) constant: i64,
+    pub(crate) tones: Vec<FixedTone>,
+    /// Whether the first mode is drawn.
+    pub(crate) mode: bool,
+    /// Warm-up, where its time constant is drawn.
+    pub(crate) warm_up: Option<WarmUp>,
+    pub(crate) relock: Option<Coupled>,
+}
+
+/// The drift at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FixedRow {
+    pub(crate) switches: usize,
+    /// The whole drift, or its non-magnetic part where the first mode is drawn.
+    pub(crate) angle: i32,
+    /// The magnetic part where the first mode is drawn.
+    pub(crate) magnetic: i32,
+    /// Effects of one standard deviation of A, Ω_m0 and Ω_nm, 2^−4 LSB.
+    pub(crate) deviations: [i32; 3],
+    /// ∫ s dt and halvings as words, for a warm-up whose time constant is drawn; then the time, s, and the integral as
+    /// numbers.
+    pub(crate) heating: [i32; 2],
+    pub(crate) time_s: f64,
+    pub(crate) held_s: f64,
+}
+
+/// A time within an interval, with the parts of its random walk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FixedTime {
+    pub(crate) row: FixedRow,
+    /// Standard deviation of the random walk up to the time, 2^−4 LSB.
+    pub(crate) walk: u32,
+    pub(crate) bridge: u32,
+}
+
+/// The part of the residual from a tone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FixedTone {
+    /// Amplitude, 2^−2 LSB.
+    pub(crate) amplitude: u32,
+    /// Phase advance from switch to switch, 2^−32 turns.
+    pub(crate) step: u32,
+    /// Whether its phase is drawn at each switch instead of once for the run.
+    pub(crate) each: bool,
+}
+
+impl Fixed {
+    pub(crate) fn new(
+        drift: &Drift,
+        residual: &Residual,
+        relock: Option<Coupled>,
+        point: &RunPoint,
+        study: &SwitchedRun,
+    ) -> Fixed {
+        let mode = study.first_mode == FirstMode::Random;
+        let lsb_arcsec = lsb(drift, residual, relock.as_ref(), point, study.timing);
+        let sigma = |arcsec: f64| libm::round(arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
+        let warm_up = WarmUp::of(point, study, lsb_arcsec);
+        let row = |row: &Row| fixed_row(row, mode, lsb_arcsec, warm_up.as_ref());
+        let walk = point.drift.angle_random_walk;
+        // The last interval, and its length.
+        let last = drift.ends.len() - 1;
+        let last_s = match point.schedule.end {
+            End::Any => point.schedule.interval_s,
+            End::Exact => point.schedule.duration_s - last as f64 * point.schedule.interval_s,
+        };
+        let time = |row_at: &Row| {
+            // Elapsed time of the interval.
+            let from = row_at.switches as f64 * point.schedule.interval_s;
+            let length = if row_at.switches < last { point.schedule.interval_s } else { last_s };
+            let part = ((row_at.time_s - from) / length).clamp(0.0, 1.0);
+            let whole = walk * libm::sqrt(length);
+            FixedTime {
+                row: row(row_at),
+                walk: sigma(whole * part),
+                bridge: sigma(whole * libm::sqrt(part * (1.0 - part))),
+            }
+        };
+        let tones = residual.tones.iter().map(|tone| FixedTone {
+            amplitude: libm::round(tone.amplitude_arcsec / lsb_arcsec * ANGLE_UNITS) as u32,
+            step: step(point, tone.tone, study.timing),
+            each: study.timing == Timing::Random,
+        });
+        Fixed {
+            lsb_arcsec,
+            ends: drift.ends.iter().map(row).collect(),
+            times: drift.times.iter().map(time).collect(),
+            drawn: drift.drawn.iter().map(time).collect(),
+            walk: [point.schedule.interval_s, last_s].map(|length| sigma(walk * libm::sqrt(length))),
+            noise: sigma(libm::sqrt(residual.variance_arcsec2)),
+            constant: libm::round(residual.constant_arcsec / lsb_arcsec * libm::exp2(32.0)) as i64,
+            tones: tones.collect(),
+            mode,
+            warm_up,
+            relock,
+        }
+    }
+
+    /// The words that determine all runs.
+    pub(crate) fn words(&self) -> Vec<u32> {
+        let tones = self.tones.iter().flat_map(|tone| [tone.amplitude, tone.step, u32::from(tone.each)]);
+        let fixed = [self.walk[0], self.walk[1], self.noise, u32::from(self.mode)];
+        let words = fixed.into_iter().chain(long_words(self.constant)).chain(tones);
+        let warm_up = self.warm_up.iter().flat_map(|warm_up| {
+            let [a, spread] = warm_up.heated().map(|word| word as u32);
+            let bits = [warm_up.halving_bits, warm_up.time_bits];
+            [warm_up.spread_word(), warm_up.interval_halvings(), a, spread, bits[0], bits[1]]
+        });
+        let relock = self.relock.iter().flat_map(|relock| relock.identity(self.lsb_arcsec));
+        let drawn = self.drawn.iter().flat_map(FixedTime::words);
+        words
+            .chain(warm_up)
+            .chain(relock)
+            .chain(self.ends.iter().flat_map(FixedRow::words))
+            .chain(drawn)
+            .collect()
+    }
+
+    /// The further words that determine one of the study's angles.
+    fn time_words(&self, place: usize) -> Vec<u32> {
+        let time = place.checked_sub(2).and_then(|time| self.times.get(time));
+        time.map(|time| time.words().collect()).unwrap_or_default()
+    }
+}
+
+impl FixedTime {
+    /// The words that determine the angle at the time.
+    fn words(&self) -> impl Iterator<Item = u32> {
+        self.row.words().into_iter().chain([self.row.switches as u32, self.walk, self.bridge])
+    }
+}
+
+impl FixedRow {
+    /// The drift as words of the kernel.
+    pub(crate) fn words(&self) -> [u32; 7] {
+        let ([a, b, c], [d, e]) = (self.deviations, self.heating);
+        [self.angle, self.magnetic, a, b, c, d, e].map(|word| word as u32)
+    }
+}
+
+fn fixed_row(row: &Row, mode: bool, lsb_arcsec: f64, warm_up: Option<&WarmUp>) -> FixedRow {
+    let angle = |arcsec: f64| libm::round(arcsec / lsb_arcsec) as i32;
+    let (angle, magnetic) = if mode {
+        (angle(row.non_magnetic), angle(row.magnetic))
+    } else {
+        (angle(row.non_magnetic + row.magnetic), 0)
+    };
+    let deviations = row.deviations.map(|deviation| libm::round(deviation / lsb_arcsec * SIGMA_UNITS) as i32);
+    let heating = warm_up.map_or([0, 0], |w| [w.held(row), w.halvings(row.time_s) as i32]);
+    let (switches, time_s, held_s) = (row.switches, row.time_s, row.held_s);
+    FixedRow { switches, angle, magnetic, deviations, heating, time_s, held_s }
+}
+
+/// The unit of angle, ″: a power of two that leaves room for every run.
+fn lsb(
+    drift: &Drift,
+    residual: &Residual,
+    relock: Option<&Coupled>,
+    point: &RunPoint,
+    timing: Timing,
+) -> f64 {
+    let squares = residual.tones.iter().map(|tone| 0.5 * tone.amplitude_arcsec * tone.amplitude_arcsec);
+    let each = residual.variance_arcsec2 + squares.sum::<f64>();
+    let amplitudes: f64 = residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
+    let walk = point.drift.angle_random_walk;
+    // The parts of the warm-up are larger than their sum.
+    let warm_up = if point.drift.warm_up_spread > 0.0 {
+        let rate = point.drift.magnetic.abs() + REACH * point.drift.magnetic_spread;
+        INTERVALS * point.schedule.interval_s * rate
+    } else {
+        0.0
+    };
+    let most = |row: &Row| {
+        // Includes the switch that follows.
+        let switches = row.switches as f64 + 1.0;
+        let added = libm::sqrt(switches * each + walk * walk * row.time_s);
+        // Residuals of tones that are in phase with each other add up in full.
+        let in_phase = if timing == Timing::Random { 0.0 } else { switches * amplitudes };
+        row.non_magnetic.abs()
+            + row.magnetic.abs()
+            + REACH * row.deviations.iter().map(|deviation| deviation.abs()).sum::<f64>()
+            + switches * residual.constant_arcsec.abs()
+            + ROOM * added
+            + in_phase
+            + amplitudes
+            + warm_up
+            + relock.map_or(0.0, |relock| relock.most(switches, ROOM))
+    };
+    let bound = drift.ends.iter().map(most).fold(0.0, f64::max);
+    // A few units are reserved for rounding.
+    let bits = libm::floor(libm::log2((LIMIT - 16) as f64 / bound));
+    libm::exp2(-bits.min(f64::from(FINEST)))
+}
+
+/// The phase advance of a tone from switch to switch, 2^−32 turns. A residual without a motion has the same phase at
+/// every switch.
+fn step(point: &RunPoint, tone: usize, timing: Timing) -> u32 {
+    let tones = point.fill.as_ref().map_or(&[][..], |fill| &fill.inputs.motion.tones);
+    match tones.get(tone).map(|tone| tone.frequency) {
+        Some(Frequency::Fixed(frequency_hz)) if timing == Timing::Periodic => {
+            let turns = frequency_hz * point.schedule.interval_s;
+            // A fraction that rounds up to a whole turn becomes 0.
+            libm::round((turns - libm::floor(turns)) * libm::exp2(32.0)) as u64 as u32
+        }
+        _ => 0,
+    }
 }
