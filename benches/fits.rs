@@ -1,12 +1,10 @@
 //! Fits of noise coefficients: `cargo bench --bench fits`.
 
-use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::Curve;
-use sagnac::fit::fitter::{Fitter, fit_record};
-use sagnac::theory::allan::estimator::{Difference, Estimator};
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::fit::selection::Terms;
+use sagnac::fit::{Fitter, fit_record};
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 
 fn main() {
     divan::main();

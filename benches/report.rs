@@ -5,8 +5,8 @@ mod fillers;
 
 use fillers::{cells, chart, column};
 use sagnac::report::answer::Answer;
-use sagnac::report::chart::picture::Picture;
-use sagnac::report::page::sections::{Block, Page, Section};
+use sagnac::report::chart::Picture;
+use sagnac::report::page::{Block, Page, Section};
 use sagnac::table::{Table, Unit};
 use sagnac::view::from_table;
 use sagnac::view::picture::Drawn;

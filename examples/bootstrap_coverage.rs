@@ -6,18 +6,14 @@
 use std::thread;
 
 use sagnac::device::Cpu;
-use sagnac::fit::choose::Terms;
-use sagnac::fit::coefficient::Fit;
-use sagnac::fit::covariance::Covariance;
-use sagnac::fit::curve::Curve;
-use sagnac::fit::fitter::{Errors, Fitter};
+use sagnac::fit::curve::{Covariance, Curve};
+use sagnac::fit::selection::Terms;
+use sagnac::fit::{Errors, Fit, Fitter};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::run::realizations;
-use sagnac::theory::allan::estimator::{Difference, Estimator};
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 
 const METHODS: [&str; 4] =
     ["closed form", "percentiles", "inversion, realized covariance", "inversion, realized quantiles"];

@@ -7,17 +7,15 @@
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rayon::prelude::*;
-use sagnac::allan::angles::Angles;
-use sagnac::allan::trend::Trend;
+use sagnac::allan::angles::{Angles, Trend};
 use sagnac::analysis::compare::equality_test::SIGNIFICANT;
 use sagnac::analysis::compare::logs::Verdict;
 use sagnac::analysis::compare::{Comparison, compare};
 use sagnac::events::Events;
-use sagnac::fit::choose::Terms;
-use sagnac::fit::quantity::Quantity;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::fit::Quantity;
+use sagnac::fit::selection::Terms;
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Part, Process};
 
 #[path = "../tests/desks/noise.rs"]
 mod noise;

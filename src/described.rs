@@ -3,7 +3,7 @@
 use crate::analysis::{
     batch, compare, design, dynamic, firmware, log, model, requirement, sensitivity, spectrum, temperature,
 };
-use sagnac_base::quantity::unit::bare;
+use sagnac_base::quantity::bare;
 use sagnac_base::table::About;
 use sagnac_base::table::column::abouts;
 use sagnac_engine::chart::Source;

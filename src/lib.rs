@@ -88,4 +88,4 @@ pub use sagnac_kernel as kernel;
 #[doc(hidden)]
 pub mod described;
 #[doc(hidden)]
-pub use sagnac_base::source;
+pub use sagnac_base::{diagnostics, text_file};

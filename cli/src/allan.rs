@@ -2,24 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::arg_parsers;
-use crate::arg_parsers::one_of;
+use crate::arg_parsers::{self, one_of};
 use crate::failure::Failure;
 use crate::outcome::Outcome;
 use crate::output::{Output, print_documents, write_new};
 use crate::reading::{Reading, seconds};
 use clap::Args;
 use clap::builder::TypedValueParser;
-use sagnac::allan::deviation::Deviation;
-use sagnac::allan::tau::Taus;
-use sagnac::allan::trend::Trend;
+use sagnac::allan::angles::Trend;
+use sagnac::allan::deviation::{Deviation, Taus};
 use sagnac::analysis::log::{Suppose, navigators, report};
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::whole::{Asked, Whole};
 use sagnac::analysis::{log, whole};
 use sagnac::kinds::allan::run::MIN_REALIZATIONS;
-use sagnac::quantity::units::{Dimension, Quantity, parse};
-use sagnac::record::log::channel::Log;
+use sagnac::quantity::{Dimension, Quantity, parse};
+use sagnac::record::log::Log;
 use sagnac::record::log::measure::Data;
 use sagnac::record::log::read::Request;
 use sagnac::report::page::document::json;

@@ -7,7 +7,7 @@ use crate::reading::Reading;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::requirement::{Limit, LimitError, Limited, applies, check};
 use sagnac::key::docs::note;
-use sagnac::record::log::channel::Log;
+use sagnac::record::log::Log;
 
 /// Reads a limit on a log.
 pub fn of_log(text: &str) -> Result<Limit, String> {

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
-use sagnac::source::text_file::read_bytes;
 use sagnac::store::FILE as DATABASE;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::{Difference, Folder};
 use sagnac::store::source::{Report, Source};
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac::text_file::read_bytes;
 
 use crate::failure::{self, Failure};
 use crate::folders;

@@ -10,13 +10,12 @@ use crate::reading::Reading;
 use clap::Args;
 use sagnac::analysis::batch::Batch;
 use sagnac::analysis::compare::logs::{Analysis, RatioLimit, check};
-use sagnac::analysis::log;
-use sagnac::analysis::log::Asked;
+use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::page::{of_batch, of_comparison};
 use sagnac::analysis::requirement::{Limit, LimitError};
 use sagnac::key::docs::note;
 use sagnac::progress::Silent;
-use sagnac::record::log::channel::Log;
+use sagnac::record::log::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
 

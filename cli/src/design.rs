@@ -7,9 +7,9 @@ use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::filler_search::band;
 use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as find, report};
 use sagnac::analysis::page;
+use sagnac::quantity::Dimension;
 use sagnac::quantity::number::short;
-use sagnac::quantity::units::Dimension;
-use sagnac::report::chart::picture::Picture;
+use sagnac::report::chart::Picture;
 use sagnac::report::page::document::Provenance;
 use sagnac::store::folder::Folder;
 

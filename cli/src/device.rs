@@ -7,17 +7,12 @@ use crate::failure::Failure;
 use crate::output::{print, print_json};
 use crate::program::{Bench, Verify};
 use clap::{Args, Subcommand};
-use sagnac::device::Cpu;
-use sagnac::device::GpuError;
-use sagnac::device::Work;
-use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::adapter::unused_card;
+use sagnac::device::gpu::adapter::{Adapter, unused_card};
 use sagnac::device::select::{SelectError, every_adapter, untested};
-use sagnac::device::{Device, Job};
+use sagnac::device::{Cpu, Device, GpuError, Job, Work};
 use sagnac::kernel::width::Width;
 use sagnac::tally::cover;
-use sagnac::verify::digest;
-use sagnac::verify::{Measured, measured};
+use sagnac::verify::{Measured, digest, measured};
 use serde::Serialize;
 
 const EXAMPLES: &str = "\

@@ -14,8 +14,8 @@ use sagnac::analysis::firmware::design::Firmware;
 use sagnac::analysis::firmware::search::Asked;
 use sagnac::analysis::firmware::standalone::{Alone, KINDS, MINIMUM_VARIANCE};
 use sagnac::analysis::page::of_filler;
-use sagnac::quantity::units::{Dimension, parse};
-use sagnac::source::diagnose::StudyError;
+use sagnac::diagnostics::StudyError;
+use sagnac::quantity::{Dimension, parse};
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 

@@ -10,8 +10,7 @@ use crate::program::command;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
-use sagnac::kinds;
-use sagnac::kinds::KINDS;
+use sagnac::kinds::{self, KINDS};
 use sagnac::store::folder::{Folder, write_new};
 use sagnac::study::Kind;
 

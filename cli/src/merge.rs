@@ -4,14 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::run::RESOLVED;
-use sagnac::run::keep;
-use sagnac::source::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
+use sagnac::run::{RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::store::source::{Merged, Source};
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
 
 use crate::failure::Failure;
 use crate::folders;

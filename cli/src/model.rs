@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::TypedValueParser;
-use sagnac::allan::tau::Taus;
+use sagnac::allan::deviation::Taus;
 use sagnac::analysis::log::{self, Asked as OfLog, Treatment};
 use sagnac::analysis::model::search::MAX_STATES;
 use sagnac::analysis::model::tables::document;
@@ -12,7 +12,7 @@ use sagnac::analysis::model::target::{Source, Target, of_file};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
 use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization};
 use sagnac::analysis::page::of_model;
-use sagnac::quantity::units::{Dimension, parse};
+use sagnac::quantity::{Dimension, parse};
 use sagnac::store::folder::Folder;
 
 use crate::allan::probability;

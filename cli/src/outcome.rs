@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use sagnac::report::chart::picture::Picture;
-use sagnac::report::page::FILE as REPORT;
+use sagnac::report::chart::Picture;
 use sagnac::report::page::document::{self, Document, Provenance};
-use sagnac::report::page::sections::Page;
+use sagnac::report::page::{FILE as REPORT, Page};
 use sagnac::store::CARD;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;

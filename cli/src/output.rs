@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::quantity::visible::{visible, visible_json};
+use sagnac::diagnostics::{visible, visible_json};
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::json;
 use sagnac::store::folder::{self, Folder};

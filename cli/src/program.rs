@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
 use sagnac::device::select::Selection;
+use sagnac::diagnostics::visible;
 use sagnac::key::docs::note;
-use sagnac::quantity::visible::visible;
 use sagnac::verify::select;
 
 use crate::failure::{EXIT_CODES, Failure};

@@ -5,12 +5,13 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::page::Results;
-use sagnac::report::page::{Card, FILE as REPORT, MARKS, gallery};
+use sagnac::report::page::html::gallery;
+use sagnac::report::page::{Card, FILE as REPORT, MARKS};
 use sagnac::run::{Plan, RESOLVED, complete};
-use sagnac::source::text_file::read_bytes;
 use sagnac::store::CARD;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
+use sagnac::text_file::read_bytes;
 use sagnac::view::picture::incomplete;
 
 use crate::chart::{Redraw, redraw};

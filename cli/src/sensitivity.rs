@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::page;
-use sagnac::analysis::sensitivity::report;
-use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as find};
+use sagnac::analysis::sensitivity::{Request, SensitivityError, report, sensitivity as find};
 use sagnac::report::page::document::Provenance;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;

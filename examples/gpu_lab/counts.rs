@@ -5,8 +5,7 @@ use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::recipe::CHUNK;
 use sagnac::kernel::shader::Variant;
-use sagnac::verify::measured;
-use sagnac::verify::Measured;
+use sagnac::verify::{Measured, measured};
 use serde_json::json;
 
 use crate::count::{Operations, operations};

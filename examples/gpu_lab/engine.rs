@@ -8,8 +8,7 @@ use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
 use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use sagnac::tally::cover;
-use sagnac::theory::allan::estimator::Estimator;
-use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::{Estimator, Part};
 use serde_json::{Value, json};
 
 use crate::{Options, benches, chosen, emit};

@@ -2,7 +2,7 @@
 
 use pyo3::import_exception;
 use pyo3::prelude::*;
-use sagnac::allan::tau::TauError;
+use sagnac::allan::deviation::TauError;
 use sagnac::analysis::batch::BatchError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
@@ -10,11 +10,9 @@ use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::analysis::whole::WholeError;
 use sagnac::device::select::SelectError;
-use sagnac::quantity::visible::visible;
-use sagnac::record::error::RecordError as Unreadable;
+use sagnac::diagnostics::{StudyError as Refused, spelled, visible};
+use sagnac::record::RecordError as Unreadable;
 use sagnac::run::RunError;
-use sagnac::source::diagnose::StudyError as Refused;
-use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
 

@@ -9,8 +9,8 @@ use sagnac::analysis::firmware::design::Firmware;
 use sagnac::analysis::firmware::search::Asked;
 use sagnac::analysis::firmware::standalone::{Alone, KINDS};
 use sagnac::analysis::page::of_filler;
-use sagnac::quantity::units::Dimension;
-use sagnac::source::diagnose::StudyError;
+use sagnac::diagnostics::StudyError;
+use sagnac::quantity::Dimension;
 use sagnac::study::Study;
 
 use super::analysis::Found;

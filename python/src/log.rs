@@ -5,17 +5,15 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use sagnac::allan::trend::Trend;
+use sagnac::allan::angles::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::Temperature;
 use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
-use sagnac::record::log::channel::{Channel, Log as Read};
-use sagnac::record::log::check::UnitCheck;
-use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::measure::{Data, Unit, UnitCheck};
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
-use sagnac::record::log::temperature::Thermometer;
+use sagnac::record::log::{Channel, Log as Read, Thermometer};
 
 use super::argument::word;
 use super::compute::{compute_on, read_on};

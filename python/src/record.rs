@@ -6,34 +6,25 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::allan::angles::Angles;
-use sagnac::allan::curve::{Point, curve, minimum, suppose};
-use sagnac::allan::deviation::Deviation;
-use sagnac::allan::tau::Taus;
-use sagnac::allan::trend::Trend;
+use sagnac::allan::angles::{Angles, Trend};
+use sagnac::allan::deviation::{Deviation, Taus};
+use sagnac::allan::{Point, curve, minimum, suppose};
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::report::least_or_bound;
 use sagnac::analysis::log::{Suppose, Treatment, events, model, slope, temperatures};
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
 use sagnac::events::{Event, Events};
-use sagnac::fit::choose::Terms;
-use sagnac::fit::curve::FitError;
-use sagnac::fit::range::Fitting;
-use sagnac::fit::record::curve_of;
+use sagnac::fit::curve::{FitError, curve_of};
+use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::quantity::number::significant;
 use sagnac::record::excess;
-use sagnac::record::log::MAX_SAMPLES;
-use sagnac::record::log::channel::Log;
-use sagnac::record::log::check::MIN_SAMPLES;
-use sagnac::record::log::doubt::Doubt;
-use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::measure::{Data, Doubt, MIN_SAMPLES, Unit};
 use sagnac::record::log::outliers::Outliers;
-use sagnac::record::log::samples::{Fault, Samples};
+use sagnac::record::log::{Fault, Log, MAX_SAMPLES, Samples};
 use sagnac::report::page::document::{Rows, json};
 use sagnac::table::Table;
-use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
-use sagnac::theory::allan::{FLAT_LEVEL, Part};
+use sagnac::theory::allan::{Estimator, FLAT_LEVEL, Part};
 
 use super::argument::word;
 use super::compute::{compute_on, read_on};
@@ -93,7 +84,7 @@ struct Record {
     doubt: Option<String>,
     /// What was inferred about a log.
     notes: Vec<String>,
-    unit: sagnac::allan::unit::Unit,
+    unit: sagnac::allan::deviation::Unit,
 }
 
 impl Record {
@@ -272,7 +263,7 @@ fn warning(doubt: Doubt, unit: &Unit) -> String {
             rate(mean)
         ),
         Doubt::NeverAtRest(mean) => {
-            let is_acceleration = unit.curves == sagnac::allan::unit::Unit::Acceleration;
+            let is_acceleration = unit.curves == sagnac::allan::deviation::Unit::Acceleration;
             let (mean, sensor) =
                 if is_acceleration { (in_g(mean), "accelerometer") } else { (rate(mean), "gyro") };
             format!(
@@ -385,7 +376,7 @@ fn of_curve<'py>(
     py: Python<'py>,
     deviation: Deviation,
     points: &[Point],
-    unit: sagnac::allan::unit::Unit,
+    unit: sagnac::allan::deviation::Unit,
 ) -> PyResult<Bound<'py, PyDict>> {
     let document = PyDict::new(py);
     let numbers = |of: &dyn Fn(&Point) -> Option<f64>| {
@@ -493,7 +484,7 @@ pub fn limits_of(
     texts: &[String],
     known: &[Limited],
     fitted: Option<&[Term]>,
-    units: &[sagnac::allan::unit::Unit],
+    units: &[sagnac::allan::deviation::Unit],
 ) -> Result<Vec<Limit>, Failure> {
     let limits = texts.iter().map(|text| Limit::parse(text, known)).collect::<Result<Vec<_>, _>>()?;
     check(&limits, fitted)?;

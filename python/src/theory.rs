@@ -2,18 +2,16 @@
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use sagnac::theory::allan::estimator::Estimator;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
-use sagnac::theory::allan::{continuous, holds};
-use sagnac::theory::drift::approximation::limit_as_published;
-use sagnac::theory::drift::budget::Budget;
-use sagnac::theory::drift::magnetic::Magnetic;
-use sagnac::theory::drift::spread::{Ending, Spread};
+use sagnac::theory::allan::Estimator;
+use sagnac::theory::allan::Part;
+use sagnac::theory::allan::Process;
+use sagnac::theory::allan::flicker;
+use sagnac::theory::drift::budget::{Budget, limit_as_published};
+use sagnac::theory::drift::{Ending, Magnetic, Spread};
 use sagnac::theory::gap::{Weights, polynomial_weights, sine_response, tick_amplitude};
-use sagnac::theory::published;
 use sagnac::theory::relock::{self, Relock};
-use sagnac::theory::suspension::{Mode, Suspension};
+use sagnac::theory::vibration::{Mode, Suspension};
+use sagnac::theory::{allan, gap};
 
 use super::compute::compute;
 use super::failure::Failure;
@@ -101,8 +99,8 @@ fn taylor<'py>(
     arrays: [Numbers<'py>; 1],
 ) -> PyResult<Column<'py>> {
     let law = match at_extremum {
-        true => published::taylor_extremum_as_published,
-        false => published::taylor_zero_crossing_as_published,
+        true => gap::taylor_extremum_as_published,
+        false => gap::taylor_zero_crossing_as_published,
     };
     each(py, &arrays, |[dt_nu]| or_nan(law(order, dt_nu)))
 }
@@ -236,8 +234,8 @@ impl Noise {
 /// Allan variance of continuous noise, A(4): an array of τ.
 #[pyfunction]
 fn allan_variance<'py>(py: Python<'py>, noise: Noise, arrays: [Numbers<'py>; 1]) -> PyResult<Column<'py>> {
-    let parts = noise.parts(holds::OCTAVES);
-    each(py, &arrays, |[tau]| parts.iter().filter_map(|part| continuous::allan_variance(part, tau)).sum())
+    let parts = noise.parts(flicker::OCTAVES);
+    each(py, &arrays, |[tau]| parts.iter().filter_map(|part| allan::continuous_variance(part, tau)).sum())
 }
 
 /// Mean of an estimator over records of sampled noise: an array of m.
@@ -259,7 +257,7 @@ fn sampled_variance<'py>(
             return Err(Failure::Usage(format!("estimator=\"{other}\" is not known\n{accepted}")).into());
         }
     };
-    let octaves = holds::octaves(samples).ok_or_else(|| {
+    let octaves = flicker::octaves(samples).ok_or_else(|| {
         Failure::Usage(format!(
             "a record of {samples} samples is too long\naccepted: up to {} samples",
             1_u64 << 27

@@ -6,7 +6,7 @@ use sagnac_base::quantity::number::significant;
 use sagnac_base::table::{Column, Role, Table};
 use sagnac_report::answer::Check;
 use sagnac_report::answer::reading::{capitalized, place};
-use sagnac_report::page::sections::{Block, Cell as GridCell, Grid, Section};
+use sagnac_report::page::{Block, Cell as GridCell, Grid, Section};
 
 /// The deviations of an estimate from its closed form, in standard errors of the simulation.
 #[derive(Debug, Clone, PartialEq)]

@@ -105,7 +105,7 @@ impl Intervals {
 
 impl DataSheet {
     /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
-    /// octaves of τ that they [describe](sagnac_records::fit::range), with the intervals of
+    /// octaves of τ that they [describe](sagnac_records::fit::selection), with the intervals of
     /// [`Fitter::fit_realized`](sagnac_records::fit::Fitter::fit_realized) where records are simulated. The same record gives the same
     /// bits for any number of threads.
     ///

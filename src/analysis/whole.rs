@@ -19,9 +19,9 @@ use crate::analysis::temperature::{self, Temperature};
 use sagnac_base::progress::Progress;
 use sagnac_base::table::Table;
 use sagnac_records::allan::{TauError, Trend};
-use sagnac_records::record::log::channel::Log;
+use sagnac_records::record::log::Log;
 use sagnac_records::spectrum::{Density, Welch};
-use sagnac_report::page::sections::Page;
+use sagnac_report::page::Page;
 
 /// The options of the whole analysis of a log.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@ use sagnac_engine::chart::{self, Chart};
 use sagnac_engine::key::sweep::Scale;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use sagnac_report::chart::notes::{ChartError, Notes};
-use sagnac_report::chart::styles::styles;
+use sagnac_report::chart::palette::styles;
 
 /// The curves of `table` that `chart` selects, in the order of their first rows, with points by rising x. Identical
 /// curves are merged by [`Figure::merge_coincident`].

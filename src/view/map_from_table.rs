@@ -7,10 +7,9 @@ use sagnac_base::table::{Column, Table};
 use sagnac_engine::chart::{Chart, Shows};
 use sagnac_engine::key::sweep::Scale;
 use sagnac_report::chart::figure::Entry;
-use sagnac_report::chart::map::winners::winners;
-use sagnac_report::chart::map::{Cells, Estimate, Layer, Map};
+use sagnac_report::chart::map::{Cells, Estimate, Layer, Map, winners};
 use sagnac_report::chart::notes::{ChartError, MapNotes};
-use sagnac_report::chart::styles::styles;
+use sagnac_report::chart::palette::styles;
 
 /// The map of `table` that `chart` selects, with a cell for each pair of values of x and y.
 ///

@@ -6,7 +6,7 @@
 //! use sagnac::table::{Cell, Column, Table, Unit};
 //! use sagnac::view::from_table::figure;
 //! use sagnac::view::map_from_table::map;
-//! use sagnac::report::chart::picture::Picture;
+//! use sagnac::report::chart::Picture;
 //!
 //! let column = |name: &str, unit, values: &[f64]| Column {
 //!     name: name.to_owned(),

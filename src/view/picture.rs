@@ -3,19 +3,18 @@
 use crate::view::from_table::figure;
 use crate::view::map_from_table::map;
 use crate::view::stack::Shown;
+use sagnac_base::diagnostics::{StudyError, nearest};
 use sagnac_base::quantity::number::short;
-use sagnac_base::quantity::unit::bare;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{StudyError, nearest};
+use sagnac_base::quantity::{Dimension, bare};
 use sagnac_base::table::{Cell, ColumnError};
 use sagnac_engine::chart::{Chart, Named, Shows};
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::kinds::{explain_key, explained_keys};
 use sagnac_engine::run::Tables;
 use sagnac_engine::study::Study;
+pub use sagnac_report::chart::Drawn;
+use sagnac_report::chart::Picture;
 use sagnac_report::chart::notes::ChartError;
-pub use sagnac_report::chart::picture::Drawn;
-use sagnac_report::chart::picture::Picture;
 
 /// The names of a chart's files, without their endings.
 pub fn chart_stem(index: usize, charts: usize) -> String {

@@ -1,6 +1,6 @@
 //! What is counted over many fits.
 
-use sagnac::fit::coefficient::{Fit, Verdict};
+use sagnac::fit::{Fit, Verdict};
 use sagnac::theory::allan::terms::Term;
 
 /// The terms of the paper's gyros.

@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
+use sagnac::record::RecordError;
 use sagnac::record::binary::Binary;
-use sagnac::record::error::RecordError;
-use sagnac::record::log::channel::Log;
+use sagnac::record::log::Log;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Hints, Request, Timing};
 

@@ -6,10 +6,8 @@ use core::f64::consts::{LN_2, PI, TAU};
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::theory::allan::holds;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Part, Process, flicker};
 
 /// A normal number, by Box and Muller.
 pub fn normal(rng: &mut StdRng) -> f64 {
@@ -62,7 +60,7 @@ pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64>
         Term::BiasInstability => {
             let level = 2.0 * LN_2 / PI * size * size;
             let mut rates = vec![0.0; samples];
-            for (o, variance) in holds::variances(octaves).unwrap().into_iter().enumerate() {
+            for (o, variance) in flicker::variances(octaves).unwrap().into_iter().enumerate() {
                 let length = 1_usize << o;
                 let streams = if o < 3 { 1 } else { 4 };
                 for _ in 0..streams {

@@ -3,10 +3,8 @@
 use crate::noise::{angles, record};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::theory::allan::estimator::{Difference, Estimator, Stride};
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
-use sagnac::theory::allan::quantizer;
+use sagnac::theory::allan::{Difference, Estimator, Part, Process, Stride};
+use sagnac::theory::pulse;
 
 /// Standard errors within which a mean has to lie.
 const SIGMAS: f64 = 5.0;
@@ -116,9 +114,9 @@ fn a_readout_of_whole_pulses_adds_the_variance_of_its_closed_form() {
         };
         let readout = |estimator: Estimator, m: u64| {
             let difference = estimator.difference;
-            let mean_square = quantizer::mean_square(q, rate, &process, difference, m).unwrap();
+            let mean_square = pulse::mean_square(q, rate, &process, difference, m).unwrap();
             let white = q * q / 12.0 * difference.coefficients().iter().map(|c| c * c).sum::<f64>();
-            let bound = quantizer::white_error(q, &process, difference, m);
+            let bound = pulse::white_error(q, &process, difference, m);
             assert!(
                 (mean_square - white).abs() <= bound + 1e-15,
                 "m = {m}: {mean_square}, {white} ± {bound}"

@@ -4,15 +4,11 @@ use crate::fitted::{QNB, covers, is_identified, share};
 use crate::noise::normal;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::fit::choose::Terms;
-use sagnac::fit::coefficient::{Fit, Verdict};
-use sagnac::fit::covariance::Covariance;
-use sagnac::fit::curve::Curve;
-use sagnac::fit::fitter::{Errors, fit};
-use sagnac::theory::allan::estimator::{Difference, Estimator};
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::fit::curve::{Covariance, Curve};
+use sagnac::fit::selection::Terms;
+use sagnac::fit::{Errors, Fit, Verdict, fit};
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 use sagnac::theory::cholesky;
 
 /// Averaging factors, `per_decade` to a factor of ten or 0 for octaves, up to a tenth of the record.

@@ -3,15 +3,11 @@
 use crate::fitted::{QNB, covers, is_identified, share};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::fit::choose::Terms;
-use sagnac::fit::coefficient::Fit;
-use sagnac::fit::covariance::Covariance;
-use sagnac::fit::curve::{Curve, FitError};
-use sagnac::fit::fitter::{Errors, Fitter, fit, fit_record};
-use sagnac::theory::allan::estimator::Difference;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::fit::curve::{Covariance, Curve, FitError};
+use sagnac::fit::selection::Terms;
+use sagnac::fit::{Errors, Fit, Fitter, fit, fit_record};
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Difference, Part, Process};
 
 /// Records of each test; three standard errors of a share of 5 %.
 const RECORDS: usize = 300;

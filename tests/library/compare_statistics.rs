@@ -3,17 +3,15 @@
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rayon::prelude::*;
-use sagnac::allan::angles::Angles;
-use sagnac::allan::trend::Trend;
+use sagnac::allan::angles::{Angles, Trend};
 use sagnac::analysis::compare::equality_test::{Difference, SIGNIFICANT};
 use sagnac::analysis::compare::power_analysis::Length;
 use sagnac::analysis::compare::{Comparison, compare};
 use sagnac::events::Events;
-use sagnac::fit::choose::Terms;
-use sagnac::fit::quantity::Quantity;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::fit::Quantity;
+use sagnac::fit::selection::Terms;
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{Part, Process};
 
 const PAIRS: u64 = 400;
 /// 2.3 standard errors of a share of 5 % of so many.

@@ -4,7 +4,7 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::analysis::decision::{Sheet, decide};
 use sagnac::progress::Silent;
-use sagnac::quantity::units::Quantity;
+use sagnac::quantity::Quantity;
 use sagnac::run::{Plan, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;

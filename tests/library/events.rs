@@ -4,13 +4,12 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::allan::angles::Angles;
-use sagnac::allan::trend::Trend;
-use sagnac::allan::unit::Unit;
+use sagnac::allan::angles::{Angles, Trend};
+use sagnac::allan::deviation::Unit;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::events::{Event, Events, What};
-use sagnac::fit::choose::Terms;
-use sagnac::fit::coefficient::Verdict;
+use sagnac::fit::Verdict;
+use sagnac::fit::selection::Terms;
 use sagnac::record::log::outliers::outliers;
 use sagnac::theory::allan::terms::Term;
 

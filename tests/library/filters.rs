@@ -9,8 +9,7 @@ use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point, Solution};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::filter::{Model, filtered};
-use sagnac::theory::navigation::weights::Times;
-use sagnac::theory::navigation::{Task, weights};
+use sagnac::theory::navigation::{Task, Times, weights};
 
 const TIMES: Times = Times { sample_s: 1.0, alignment: 300, duration: 500, calibrates: false };
 

@@ -4,15 +4,12 @@
 
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::allan::angles::Angles;
-use sagnac::allan::trend::Trend;
+use sagnac::allan::angles::{Angles, Trend};
 use sagnac::analysis::compare::compare;
 use sagnac::events::Events;
-use sagnac::fit::choose::Terms;
-use sagnac::fit::coefficient::{Fit, Verdict};
-use sagnac::fit::fitter::fit_record;
-use sagnac::fit::range::{Fitting, describe};
-use sagnac::fit::record::curve_of;
+use sagnac::fit::curve::curve_of;
+use sagnac::fit::selection::{Fitting, Terms, describe};
+use sagnac::fit::{Fit, Verdict, fit_record};
 use sagnac::theory::allan::terms::Term;
 
 use crate::fitted::{covers, is_identified, share};

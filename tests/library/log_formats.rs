@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sagnac::record::log::channel::Log;
+use sagnac::record::log::Log;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Hints, Request, Timing};
 

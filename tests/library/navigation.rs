@@ -10,10 +10,10 @@ use sagnac::kinds::navigation::verify::{lgk_400, loads, navigator, noise_of, sha
 use sagnac::kinds::navigation::{Noise, Solution, Switching};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
-use sagnac::theory::navigation::equations::{ARCSEC, EARTH_RATE};
-use sagnac::theory::navigation::radial::Radial;
-use sagnac::theory::navigation::weights::{Error, Times};
-use sagnac::theory::navigation::{GRAVITY, Leg, RADIUS, Task, covariance, weights};
+use sagnac::theory::navigation::{
+    self, ARCSEC, EARTH_RATE, Error, GRAVITY, Leg, RADIUS, Task, Times, weights,
+};
+use sagnac::theory::quantile::Radial;
 
 use crate::devices::{adapters, name, open, variants};
 
@@ -97,7 +97,7 @@ fn closed_forms_are_the_rms_of_an_independent_simulation() {
 
 /// wᵀCw of white noise with weights of one functional.
 fn white(weights: &[f64], n: f64, sample_s: f64) -> f64 {
-    let noise = covariance::Noise { white: n * sample_s.sqrt(), ..covariance::Noise::default() };
+    let noise = navigation::Noise { white: n * sample_s.sqrt(), ..navigation::Noise::default() };
     noise.covariance(weights, weights)
 }
 
@@ -166,13 +166,13 @@ fn long_flights_have_the_fix_of_gyros_that_know_the_vertical() {
         let t = duration as f64 * SAMPLE;
         let times = Times { sample_s: SAMPLE, alignment: 0, duration, calibrates: false };
         let gyros = weights(&Task::Inertial(leg), &times);
-        let variance = |noise: &covariance::Noise, error: usize| {
+        let variance = |noise: &navigation::Noise, error: usize| {
             let of = |gyro: &Vec<f64>| noise.covariance(gyro, gyro);
             gyros.iter().map(|gyro| of(&gyro.of_errors[error])).sum::<f64>()
         };
         let markov = Some([drift * SAMPLE, SAMPLE / correlation_s]);
-        let markov = covariance::Noise { markov, ..covariance::Noise::default() };
-        let noise = covariance::Noise { white: white * SAMPLE.sqrt(), ..covariance::Noise::default() };
+        let markov = navigation::Noise { markov, ..navigation::Noise::default() };
+        let noise = navigation::Noise { white: white * SAMPLE.sqrt(), ..navigation::Noise::default() };
         let of_markov = fix_of_known_vertical(drift, correlation_s, SPEED, t);
         let of_white = (RADIUS * white * ARCSEC).powi(2) * t;
         let [along, across] = [Error::PositionEast, Error::PositionNorth]

@@ -15,7 +15,7 @@ use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Valu
 use sagnac::record::Record;
 use sagnac::tally::cover;
 use sagnac::theory::minimum_variance::Band;
-use sagnac::theory::psd::Psd;
+use sagnac::theory::vibration::Psd;
 
 /// A record of two tones and a drift, 4 s long.
 fn profile(position: Position) -> Motion {

@@ -6,10 +6,8 @@ use sagnac::kernel::width::Width;
 use sagnac::key::Unrepresentable;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
-use sagnac::theory::allan::estimator::{Difference, Estimator};
-use sagnac::theory::allan::part::{FLAT_LEVEL, Part};
-use sagnac::theory::allan::process::Process;
-use sagnac::theory::allan::switching::Switching;
+use sagnac::theory::allan::{Difference, Estimator, FLAT_LEVEL, Part, Process};
+use sagnac::theory::drift::Switching;
 
 mod limits;
 

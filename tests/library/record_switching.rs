@@ -7,11 +7,8 @@ use sagnac::kernel::width::Width;
 use sagnac::key::Unrepresentable;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::verify::THINNED;
-use sagnac::theory::allan::estimator::{Difference, Estimator};
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
-use sagnac::theory::allan::switching::Switching;
-use sagnac::theory::drift::magnetic::Magnetic;
+use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+use sagnac::theory::drift::{Magnetic, Switching};
 
 const SAMPLE_S: f64 = 0.5;
 const SAMPLES: u64 = 2000;

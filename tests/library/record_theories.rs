@@ -5,10 +5,7 @@ use std::sync::Arc;
 use sagnac::device::Cpu;
 use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::width::Width;
-use sagnac::theory::allan::estimator::{Difference, Estimator};
-use sagnac::theory::allan::holds;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::{Difference, Estimator, Part, Process, flicker};
 
 const SAMPLES: u32 = 4000;
 const RECORDS: usize = 4096;
@@ -110,7 +107,7 @@ fn flicker_is_the_sum_of_its_octave_holds() {
         let levels = vec![Level { stride: 1, spans: vec![1 << octave.min(9), 1 << octave.min(10)] }];
         check(&format!("holds of octave {octave}"), &Recipe { levels, ..alone }, |m| {
             let rate = sigmas[octave - 1] * RATE_UNIT;
-            rate * rate * holds::mean_square(Difference::Second, 1 << octave, m)
+            rate * rate * flicker::mean_square(Difference::Second, 1 << octave, m)
         });
     }
 }

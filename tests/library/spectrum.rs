@@ -4,16 +4,14 @@ use core::f64::consts::PI;
 
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::allan::angles::Angles;
-use sagnac::allan::trend::Trend;
-use sagnac::allan::unit::Unit;
+use sagnac::allan::angles::{Angles, Trend};
+use sagnac::allan::deviation::Unit;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::events::Events;
-use sagnac::fit::choose::Terms;
+use sagnac::fit::selection::Terms;
 use sagnac::record::log::outliers::Outliers;
 use sagnac::spectrum::{Density, Floor, Line, SpectrumError, Welch, lines};
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::spectrum::density;
+use sagnac::theory::allan::{Part, density};
 
 use crate::noise;
 

@@ -11,11 +11,9 @@ use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::regressors::{Effect, Effects};
 use sagnac::analysis::temperature::{Dependence, Temperature};
 use sagnac::fit::regression::Estimate;
-use sagnac::record::log::channel::Log;
-use sagnac::record::log::check::UnitCheck;
-use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::measure::{Data, Unit, UnitCheck};
 use sagnac::record::log::read::{Hints, Request, Timing};
-use sagnac::record::log::temperature::Thermometer;
+use sagnac::record::log::{Log, Thermometer};
 use sagnac::theory::allan::{Part, Process};
 use tempfile::TempDir;
 

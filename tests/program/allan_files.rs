@@ -6,8 +6,7 @@ use crate::desk::{Desk, Ended, row, rows_of};
 use crate::logs::desk_with;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::{Part, Process};
 use toml::{Table, Value};
 
 const GYRO: [Part; 3] =

@@ -2,8 +2,7 @@
 
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::{Part, Process};
 use serde_json::Value;
 
 use crate::desk::{Desk, rows_of, unwrapped};

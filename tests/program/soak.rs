@@ -7,11 +7,10 @@
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
-use std::fmt;
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use std::{fmt, fs};
 
 use crate::desk::{Desk, PROGRAM};
 use crate::stores::{MOMENTS, ROWS, RUNS};

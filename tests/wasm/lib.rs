@@ -3,8 +3,7 @@
 use std::slice;
 
 use sagnac_base::progress::Silent;
-use sagnac_engine::device::Cpu;
-use sagnac_engine::device::Device;
+use sagnac_engine::device::{Cpu, Device};
 use sagnac_engine::run::Plan;
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;

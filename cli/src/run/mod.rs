@@ -7,10 +7,9 @@ use std::time::Duration;
 
 use clap::Args;
 use sagnac::device::Device;
-use sagnac::quantity::number::significant;
-use sagnac::quantity::units::{Dimension, parse as parse_quantity};
-use sagnac::run::keep;
-use sagnac::run::{Plan, RESOLVED, RunStats};
+use sagnac::quantity::number::{short, significant};
+use sagnac::quantity::{Dimension, parse as parse_quantity};
+use sagnac::run::{Plan, RESOLVED, RunStats, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
@@ -20,15 +19,12 @@ use sagnac::view::picture::pictures;
 use crate::failure::Failure;
 use crate::output::{print, print_documents};
 use crate::program::DeviceArg;
-use crate::progress::Planning;
-use crate::progress::{How, Shown};
+use crate::progress::{How, Planning, Shown};
 use crate::reading;
 use crate::results::{Ran, check_places};
 pub use crate::run::control::Cause;
-use crate::run::control::Shard;
-use crate::run::control::Stop;
+use crate::run::control::{Shard, Stop};
 use crate::sampling::Sampling;
-use sagnac::quantity::number::short;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -3,11 +3,11 @@
 use crate::key::document::SpanMap;
 use crate::key::sweep::Setting;
 use crate::key::{ValueType, keys, measure, words};
+use sagnac_base::diagnostics::Fault;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::Fault;
 use sagnac_kernel::switched_run::ENDS;
-use sagnac_theory::drift::magnetic::Magnetic;
+use sagnac_theory::drift::Magnetic;
 
 /// Parts of the drift in ″ and s, each with its standard deviation from run to run; 0 means absent. Every number has 12
 /// significant digits.

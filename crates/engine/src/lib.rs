@@ -7,7 +7,7 @@
 
 #![deny(missing_docs)]
 
-pub use sagnac_base::{progress, quantity, source, table};
+pub use sagnac_base::{diagnostics, progress, quantity, table, text_file};
 pub use sagnac_kernel as kernel;
 
 pub mod chart;

@@ -10,12 +10,12 @@ use toml::de::DeTable;
 use crate::key::document::{SpanMap, Table, check};
 use crate::key::sweep::{self, Setting, Sweep};
 use crate::key::{Key, ParseContext, ValueType, docs, keys, measure};
+use sagnac_base::diagnostics::{Fault, StudyError, Text, Wrong};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, Quantity, round_12};
-use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};
-use sagnac_base::source::text_file::{Files, MAX_TOML, read_text};
-use sagnac_theory::allan::{Difference, Part, Process, Term, holds, switching};
-use sagnac_theory::drift::magnetic::Magnetic;
+use sagnac_base::quantity::{Dimension, Quantity, round_12};
+use sagnac_base::text_file::{Files, MAX_TOML, read_text};
+use sagnac_theory::allan::{Difference, Part, Process, Term, flicker};
+use sagnac_theory::drift::{self, Magnetic};
 use sagnac_theory::lock_in::{self, MIN_SPREAD, Premise, dither_rate};
 
 /// Coefficients of terms, with readout and switching; 0 means absent.
@@ -123,9 +123,9 @@ impl Noise {
     }
 
     /// The switches of records with samples of `sample_s`; `None` where they have no effect.
-    pub fn switched(&self, sample_s: f64) -> Option<switching::Switching> {
+    pub fn switched(&self, sample_s: f64) -> Option<drift::Switching> {
         let switching = self.switching.filter(|switching| !switching.is_nothing())?;
-        Some(switching::Switching {
+        Some(drift::Switching {
             interval: switching.interval(sample_s),
             magnetic: switching.drift(),
             residual: switching.residual,
@@ -138,7 +138,7 @@ impl Noise {
     ///
     /// Records too long for the octaves of flicker get the largest number; they are refused elsewhere.
     pub fn process(&self, sample_s: f64, samples: u64) -> Process {
-        let octaves = holds::octaves(samples).unwrap_or(holds::MAX_OCTAVES);
+        let octaves = flicker::octaves(samples).unwrap_or(flicker::MAX_OCTAVES);
         let there = Term::EVERY.into_iter().filter_map(|term| {
             let [size, shape] = self.of(term);
             let shape = if term.has_shape() { shape } else { 1.0 };

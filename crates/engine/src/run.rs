@@ -14,8 +14,8 @@ use crate::store::{Identity, Index, Store};
 use crate::study::INPUTS;
 use crate::study::Study;
 use crate::tally::{Id, Share};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::{Progress, Silent};
-use sagnac_base::source::diagnose::StudyError;
 use sagnac_base::table::Table;
 #[cfg(feature = "store")]
 use std::path::Path;

@@ -32,11 +32,11 @@ use crate::key::{
 };
 use crate::kinds::checked;
 use crate::sampling::Planned;
+use sagnac_base::diagnostics::{Fault, StudyError, Text, Wrong};
 use sagnac_base::progress::Progress;
-use sagnac_base::quantity::units::Quantity;
-use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};
-use sagnac_base::source::text_file::{Files, MAX_RECORD, MAX_TOML, read_text};
+use sagnac_base::quantity::Quantity;
 use sagnac_base::table::About;
+use sagnac_base::text_file::{Files, MAX_RECORD, MAX_TOML, read_text};
 
 /// A valid study: every value is within its limits at every point.
 #[derive(Debug, Clone)]
@@ -602,7 +602,7 @@ mod tests {
     use super::Study;
     use crate::key::sweep::Swept;
     use crate::kinds::gap_fill::GapFill;
-    use sagnac_base::quantity::units::{Dimension, Quantity};
+    use sagnac_base::quantity::{Dimension, Quantity};
 
     #[test]
     fn points_have_the_values_given_and_all_others_as_written() {

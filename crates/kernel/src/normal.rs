@@ -5,12 +5,11 @@
 //! the quantile is a quadratic in the position. There are no branches, rejections or floats. The distribution reaches
 //! ±6.3σ; `docs/dev/numerics.md` gives its moments and tails, taken over all 2^31 magnitudes.
 
-use crate::Form;
 use crate::map::{Block, Map};
 use crate::normal_table::NORMAL_TABLE;
-use crate::part;
 use crate::shader::{Part, constants};
 use crate::word::Word;
+use crate::{Form, part};
 
 constants!(SEGMENT_BITS, NORMAL_BITS);
 

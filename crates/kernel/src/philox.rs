@@ -3,11 +3,10 @@
 //! Twin of `shaders/philox.wgsl`. Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3"
 //! (SC 2011), and the known-answer vectors of Random123.
 
-use crate::Form;
 use crate::map::{Block, Map};
-use crate::part;
 use crate::shader::{Constants, Part, Value};
 use crate::word::{Factor, Scalar, Word};
+use crate::{Form, part};
 
 /// Declares the purposes and their shader constants, such as `FOR_NOISE_BEFORE`.
 macro_rules! purposes {

@@ -4,11 +4,10 @@
 //! its whole part is a shift. The error of the logarithm is between −2^−25.9 and 2^−30, that of the power below 2^−30;
 //! both are exact at the powers of two (`docs/dev/numerics.md`).
 
-use crate::Form;
 use crate::map::{Block, Map};
-use crate::part;
 use crate::shader::{Part, constants};
 use crate::word::Word;
+use crate::{Form, part};
 
 constants!(LOG_BITS, MAX_MINUS, EXP2_ONE, LOG2, EXP2);
 

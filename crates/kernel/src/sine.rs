@@ -3,11 +3,10 @@
 //! Twin of `shaders/sine.wgsl`. The phase is a word in units of 2^−32 turns; it wraps by itself and needs no range
 //! reduction. The error is below 2^−29.5 everywhere, and the result is exact at 0, ¼ and ½ turn (`docs/dev/numerics.md`).
 
-use crate::Form;
 use crate::map::{Block, Map};
-use crate::part;
 use crate::shader::{Part, constants};
 use crate::word::Word;
+use crate::{Form, part};
 
 constants!(QUARTER_TURN, SINE);
 

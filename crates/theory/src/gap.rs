@@ -14,8 +14,23 @@
 //! let amplitude = 12000.0 * tick_amplitude(0.005, 0.1) * a.hypot(b);
 //! assert!((amplitude - 26.848).abs() < 5e-4);
 //! ```
+//!
+//! # Laws as published
+//!
+//! The functions `…_as_published` are laws of the error as the paper prints them; [`noise_of_const`] is the correct law where the
+//! printed one is wrong. None of them is the simulated error; charts draw them with it to show how close they come. Source: the
+//! text around Z(18)–Z(20). The paper's Δt is taken as (n + 1)T/2, from the middle of the gap to the nearest valid tick.
+//!
+//! ```
+//! use sagnac_theory::gap::{noise_of_const, noise_of_const_as_published, taylor_extremum_as_published};
+//!
+//! // 1.6 ″ (3σ) of noise a tick, n = 4: A_n √n/2 as printed, A_n n/2 as it is.
+//! assert_eq!((noise_of_const_as_published(1.6, 4), noise_of_const(1.6, 4, 4)), (1.6, 3.2));
+//! // Z(20) at Δt·ν = 0.1, times A_Ω T = 60 ″.
+//! assert!((60.0 * taylor_extremum_as_published(1, 0.1).unwrap() - 11.84).abs() < 0.005);
+//! ```
 
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 /// Weights of a filler as exact fractions: `numerators[k] / denominator` on the k-th of its ticks.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -144,6 +159,41 @@ pub fn sine_response(weights: &Weights, gap_ticks: u32, nu_t: f64) -> (f64, f64)
         add(tick, -1.0);
     }
     response
+}
+
+/// Z(20) near a zero crossing of the rate: the first term that a Taylor polynomial drops there, relative to the rate
+/// amplitude. `order` is the degree of the polynomial, `dt_nu` is Δt·ν.
+///
+/// Multiplied by A_Ω·T it is an angle: the error of a single tick, not the accumulated δP of Z(18). The paper gives it
+/// for orders 1 and 2, which have the same term because sin x has no x².
+pub fn taylor_zero_crossing_as_published(order: usize, dt_nu: f64) -> Option<f64> {
+    let x = TAU * dt_nu;
+    matches!(order, 1 | 2).then_some(x * x * x / 6.0)
+}
+
+/// The paper's error of a single tick at an extremum of the rate, where cos x has no odd terms: x²/2 up to order 1,
+/// x⁴/24 for order 2.
+pub fn taylor_extremum_as_published(order: usize, dt_nu: f64) -> Option<f64> {
+    let x = TAU * dt_nu;
+    match order {
+        0 | 1 => Some(x * x / 2.0),
+        2 => Some(x * x * x * x / 24.0),
+        _ => None,
+    }
+}
+
+/// 3σ_θ of a constant over the gap as printed, for a mean of four ticks: A_n·√n/2, with A_n = 3σ of one tick, in its
+/// unit.
+///
+/// This is too small by √n, because the filled values share one mean and their errors add up in full. See
+/// [`noise_of_const`].
+pub fn noise_of_const_as_published(three_sigma: f64, gap_ticks: u32) -> f64 {
+    three_sigma * libm::sqrt(f64::from(gap_ticks)) / 2.0
+}
+
+/// 3σ_θ of a constant over the gap by Z(18): n times the mean of `ticks` ticks, A_n·n/√ticks, which is A_n·n/2 for four.
+pub fn noise_of_const(three_sigma: f64, gap_ticks: u32, ticks: usize) -> f64 {
+    three_sigma * f64::from(gap_ticks) / libm::sqrt(ticks as f64)
 }
 
 #[cfg(test)]
@@ -285,5 +335,53 @@ mod tests {
     fn too_few_ticks_determine_no_polynomial() {
         assert_eq!(polynomial_weights(&[0, 2], 2, 1), None);
         assert_eq!(polynomial_weights(&[], 0, 1), None);
+    }
+
+    /// A_Ω·T in the paper's case, ″.
+    const RATE_TIMES_TICK: f64 = 12000.0 * 0.005;
+
+    #[test]
+    fn the_taylor_terms_at_the_papers_point_are_right_to_their_digits() {
+        let arcsec = |share: Option<f64>| share.map(|share| (share * RATE_TIMES_TICK * 10.0).round() / 10.0);
+        for order in [0, 1] {
+            assert_eq!(arcsec(taylor_extremum_as_published(order, 0.1)), Some(11.8), "order {order}");
+        }
+        assert_eq!(arcsec(taylor_extremum_as_published(2, 0.2)), Some(6.2));
+        for order in [1, 2] {
+            let found = [0.1, 0.15, 0.2].map(|at| arcsec(taylor_zero_crossing_as_published(order, at)));
+            assert_eq!(found, [Some(2.5), Some(8.4), Some(19.8)], "order {order}");
+        }
+    }
+
+    #[test]
+    fn an_order_that_the_paper_does_not_speak_of_has_no_law() {
+        assert_eq!(taylor_zero_crossing_as_published(0, 0.1), None);
+        assert_eq!(taylor_extremum_as_published(3, 0.1), None);
+    }
+
+    #[test]
+    fn the_taylor_terms_are_what_the_polynomials_leave_of_a_small_sine() {
+        let x: f64 = 0.01;
+        let left = |share: Option<f64>, exact: f64| (share.unwrap() / exact - 1.0).abs();
+        let off = [
+            left(taylor_zero_crossing_as_published(1, x / TAU), x - libm::sin(x)),
+            left(taylor_extremum_as_published(0, x / TAU), 1.0 - libm::cos(x)),
+            left(taylor_extremum_as_published(2, x / TAU), libm::cos(x) - (1.0 - x * x / 2.0)),
+        ];
+        assert!(off.iter().all(|off| *off < 1e-4), "relative deviations {off:?}");
+    }
+
+    #[test]
+    fn the_noise_of_const_is_the_gain_of_its_weights_and_the_published_one_is_less_by_the_root_of_n() {
+        for n in [1, 2, 3, 10] {
+            let after = n as i32 + 1;
+            for ticks in [vec![-1, 0, after, after + 1], vec![-2, -1, 0]] {
+                let gain = polynomial_weights(&ticks, 0, n).unwrap().noise_gain();
+                let law = noise_of_const(1.6, n, ticks.len());
+                assert!((law - 1.6 * gain).abs() < 1e-12, "n = {n}, {ticks:?}: {law}, not {}", 1.6 * gain);
+            }
+            let ratio = noise_of_const(1.6, n, 4) / noise_of_const_as_published(1.6, n);
+            assert!((ratio - libm::sqrt(f64::from(n))).abs() < 1e-12, "n = {n}: {ratio}");
+        }
     }
 }

@@ -5,20 +5,14 @@
 
 pub mod allan;
 pub mod cholesky;
-pub mod double;
 pub mod drift;
 pub mod gap;
-pub mod lattice;
-pub mod level;
 pub mod lines;
 pub mod lock_in;
-pub mod memo;
 pub mod minimum_variance;
 pub mod navigation;
-pub mod psd;
-pub mod published;
 pub mod pulse;
 pub mod quadrature;
+pub mod quantile;
 pub mod relock;
-pub mod rows;
-pub mod suspension;
+pub mod vibration;

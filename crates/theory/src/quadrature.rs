@@ -1,8 +1,10 @@
-//! Gauss–Legendre quadrature in panels.
+//! Numerical means: Gauss–Legendre quadrature in panels, and a lattice rule, whose points fill a unit cube of any number of
+//! dimensions evenly, for means over several drawn values. [`Memo`] keeps values that take long to compute and are needed
+//! again with the same arguments, as at the points of a sweep.
 
 use core::f64::consts::PI;
-
-use crate::memo::Memo;
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Sixteen points: positive nodes on (−1, 1) and their weights.
 const NODES: [[f64; 2]; 8] = [
@@ -108,6 +110,72 @@ pub fn means(low: f64, high: f64, panels: f64, count: usize, f: impl Fn(f64, &mu
     sums.iter().map(|sum| 0.5 * sum / panels).collect()
 }
 
+/// Number of points.
+pub const LATTICE_POINTS: u32 = 1 << 17;
+
+/// The generator of the rule of Korobov with the least error in 2 to 6 dimensions, out of 500 tried, for functions with
+/// square-integrable second mixed derivatives.
+const LATTICE_GENERATOR: u32 = 81_053;
+
+/// The coordinates of a point, each strictly between 0 and 1.
+///
+/// In one dimension they are the midpoints of equal parts. The mean of a smooth function over the points has an error of
+/// about 1/N² for the N points; that of a rough one scatters as if they were independent.
+pub fn lattice_point(index: u32) -> impl Iterator<Item = f64> {
+    let mut multiple = index;
+    core::iter::repeat_with(move || {
+        let place = multiple % LATTICE_POINTS;
+        multiple = multiple.wrapping_mul(LATTICE_GENERATOR);
+        (f64::from(place) + 0.5) / f64::from(LATTICE_POINTS)
+    })
+}
+
+/// The last few values of a function, with the arguments that give them. Those not used for longest are dropped first.
+///
+/// Threads that need the same value at the same time may each compute it. Values are never changed, so a value from
+/// here has the bits that the function would return.
+#[derive(Debug)]
+pub struct Memo<K, V> {
+    most: usize,
+    known: Mutex<VecDeque<(K, V)>>,
+}
+
+impl<K: PartialEq, V: Clone> Memo<K, V> {
+    /// Keeps at most `most` values.
+    pub const fn new(most: usize) -> Memo<K, V> {
+        Memo { most, known: Mutex::new(VecDeque::new()) }
+    }
+
+    /// The value at `key`, which is computed if it is not known. It takes time in proportion to the number of values.
+    pub fn get(&self, key: K, compute: impl FnOnce() -> V) -> V {
+        if let Some(value) = find(&mut self.known(), &key) {
+            return value;
+        }
+        let value = compute();
+        let mut known = self.known();
+        if find(&mut known, &key).is_none() {
+            if known.len() >= self.most {
+                known.pop_front();
+            }
+            known.push_back((key, value.clone()));
+        }
+        value
+    }
+
+    fn known(&self) -> MutexGuard<'_, VecDeque<(K, V)>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The value at `key`, which becomes the last one used.
+fn find<K: PartialEq, V: Clone>(known: &mut VecDeque<(K, V)>, key: &K) -> Option<V> {
+    let place = known.iter().rposition(|(own, _)| own == key)?;
+    let found = known.remove(place)?;
+    let value = found.1.clone();
+    known.push_back(found);
+    Some(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,5 +211,44 @@ mod tests {
         let turn = |x: f64, terms: &mut [f64]| terms[0] = 1.0 + libm::cos(core::f64::consts::TAU * x + 0.3);
         let turn = means(2.0, 5.0, 3.0, 1, turn)[0];
         assert!((turn - 1.0).abs() < 1e-14, "{turn}");
+    }
+
+    #[test]
+    fn every_coordinate_takes_each_part_once() {
+        for dimension in 0..24 {
+            let mut taken = vec![false; LATTICE_POINTS as usize];
+            for index in 0..LATTICE_POINTS {
+                let x = lattice_point(index).nth(dimension).unwrap();
+                taken[(x * f64::from(LATTICE_POINTS)) as usize] = true;
+            }
+            let missed = taken.iter().filter(|taken| !**taken).count();
+            assert_eq!(missed, 0, "of dimension {dimension}");
+        }
+    }
+
+    /// The mean of a product of functions of mean 1 is 1.
+    #[test]
+    fn the_mean_of_a_smooth_function_is_right_to_a_ten_millionth_up_to_four_dimensions() {
+        for dimensions in 1..=4 {
+            let of = |x: f64| 1.0 + 2.0 * (x * x - x + 1.0 / 6.0);
+            let product = |index| lattice_point(index).take(dimensions).map(of).product::<f64>();
+            let mean = (0..LATTICE_POINTS).map(product).sum::<f64>() / f64::from(LATTICE_POINTS);
+            assert!((mean - 1.0).abs() < 1e-7, "{dimensions} dimensions: {mean}");
+        }
+    }
+
+    #[test]
+    fn a_value_is_computed_once_until_others_displace_it() {
+        let memo = Memo::new(2);
+        let mut computed = Vec::new();
+        for key in [1, 2, 1, 3, 1, 2] {
+            let value = memo.get(key, || {
+                computed.push(key);
+                10 * key
+            });
+            assert_eq!(value, 10 * key);
+        }
+        // 2 was used least recently when 3 came.
+        assert_eq!(computed, [1, 2, 3, 2]);
     }
 }

@@ -102,6 +102,28 @@ pub fn drift_from_detuning(bias: f64, curvature: f64, means: [f64; 2]) -> Option
     (0.0 < r && r < 1.0).then_some(drift)
 }
 
+/// Apparent drift of a tick after a mode switch in the paper, °/h.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelockRow {
+    /// Without compensation.
+    pub measured: f64,
+    /// Computed from the frequency of the bias; absent for the first tick.
+    pub by_frequency: Option<f64>,
+    /// Computed from the detuning.
+    pub by_detuning: f64,
+}
+
+/// Tables 1 and 2 of the paper, ticks 1 to 4. The ratios of the measured drifts do not fit a single exponential.
+pub const RELOCK_TABLES: [RelockRow; 4] = [
+    RelockRow { measured: 4056.0, by_frequency: None, by_detuning: 3720.0 },
+    RelockRow { measured: 2956.0, by_frequency: Some(2399.0), by_detuning: 2385.0 },
+    RelockRow { measured: 1306.0, by_frequency: Some(497.0), by_detuning: 1480.0 },
+    RelockRow { measured: 207.0, by_frequency: Some(178.0), by_detuning: 278.0 },
+];
+
+/// Tick T of [`RELOCK_TABLES`], s.
+pub const RELOCK_TICK_S: f64 = 0.005;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,5 +200,19 @@ mod tests {
     #[test]
     fn the_signal_is_proportional_to_the_detuning() {
         assert_eq!(detuning_signal(3.0, -0.05), -0.15000000000000002);
+    }
+
+    #[test]
+    fn the_relock_tables_add_up_as_the_paper_says() {
+        let mean = |of: fn(&RelockRow) -> f64| RELOCK_TABLES.iter().map(of).sum::<f64>() / 4.0;
+        let means = [
+            mean(|row| row.measured),
+            mean(|row| row.measured - row.by_frequency.unwrap_or(0.0)),
+            mean(|row| row.measured - row.by_detuning),
+        ];
+        assert_eq!(means.map(libm::floor), [2131.0, 1362.0, 165.0]);
+        // Angles over four ticks: 43 ″, 27 ″, 3.3 ″.
+        let angles = means.map(|mean| libm::round(4.0 * mean * RELOCK_TICK_S * 10.0) / 10.0);
+        assert_eq!(angles, [42.6, 27.3, 3.3]);
     }
 }

@@ -2,8 +2,7 @@
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, joined_names, table};
 use crate::analysis::notch::Notches;
-use sagnac_base::table::Column;
-use sagnac_base::table::crossing::between;
+use sagnac_base::table::{Column, between};
 use sagnac_engine::kinds::allan::columns::is_absent;
 use sagnac_report::answer::reading::percent_of;
 use sagnac_report::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS, Reading};

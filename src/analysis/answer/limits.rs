@@ -1,8 +1,7 @@
 //! Answers against a limit: up to where each curve of options is good enough, and which part of a map is.
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, options, sampled, table};
-use sagnac_base::table::Column;
-use sagnac_base::table::crossing::{Window, windows};
+use sagnac_base::table::{Column, Window, windows};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, joined, number, range, span, symbol};
 use sagnac_report::answer::{AnswerCell, AnswerTable, Kind, MAX_COLUMNS, MAX_ROWS, Relation};

@@ -13,10 +13,10 @@ use crate::analysis::role::{Bandless, apart, is_given, less_is_better};
 use crate::view::from_table::axis_unit;
 use crate::view::picture::{Drawn, refused};
 use crate::view::stack::Shown;
-use sagnac_base::quantity::list::listed;
-use sagnac_base::source::diagnose::StudyError;
-use sagnac_base::table::crossing::{between, fraction};
-use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
+use sagnac_base::diagnostics::{StudyError, listed};
+use sagnac_base::table::{
+    Cell, Column, ColumnError, Role, Table, Usual, between, crossing_fraction, grouped, worded,
+};
 use sagnac_engine::chart::{Chart, Limit, Source};
 use sagnac_engine::run::Tables;
 use sagnac_engine::study::Study;
@@ -24,8 +24,8 @@ use sagnac_report::answer::reading::{begun, joined, labelled, place, shown, symb
 use sagnac_report::answer::{
     Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status,
 };
+use sagnac_report::chart::Picture;
 use sagnac_report::chart::figure::{Mark, Shape};
-use sagnac_report::chart::picture::Picture;
 
 /// The rows that answer the question of a study.
 pub(super) struct Question<'t> {
@@ -318,7 +318,7 @@ impl<'t> Question<'t> {
         let Some(a) = after.checked_sub(1).map(|before| known[before]).filter(|_| x.value(b) > at) else {
             return Some((axis.value(b), self.y.value(b)));
         };
-        let part = fraction(x.value(a), x.value(b), at);
+        let part = crossing_fraction(x.value(a), x.value(b), at);
         let [low, high] = [a, b].map(|row| self.y.value(row));
         let y = if high < 0.0 && low < 0.0 { -between(-low, -high, part) } else { between(low, high, part) };
         Some((between(axis.value(a), axis.value(b), part), y))

@@ -23,9 +23,8 @@ use std::path::Path;
 
 use crate::analysis::batch::random_effects::{Estimate, Pooled};
 use crate::analysis::data_sheet::{Row, each_once};
-use crate::analysis::log;
 use crate::analysis::log::report::least_or_bound;
-use crate::analysis::log::{Column, Curve, Treatment};
+use crate::analysis::log::{self, Column, Curve, Treatment};
 use sagnac_records::allan::Unit as Curves;
 
 /// Probability of an outlier in a batch without one.

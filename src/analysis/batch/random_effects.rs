@@ -13,9 +13,9 @@
 //! 0, or at 0. Its upper end is therefore at least the bound that equal units with these errors have on average, where the
 //! expected Q(τ²) of such units is the 2.5 % quantile (a power-constrained limit: G. Cowan et al., arXiv:1105.3166).
 
-use sagnac_records::allan::chi_squared;
-use sagnac_records::fit::interval::WITHIN_95;
+use sagnac_records::allan::distributions;
 use sagnac_records::fit::survival;
+use sagnac_records::fit::uncertainty::WITHIN_95;
 
 /// Fewest units that have a spread.
 pub const MIN_UNITS: usize = 2;
@@ -86,7 +86,7 @@ pub fn pool(estimates: &[Estimate]) -> Option<Pooled> {
     let middle = Part::at(estimates, freedom as f64);
     let spread = |square: f64| libm::sqrt(libm::expm1(square));
     let ends = |of: &dyn Fn(f64) -> f64| [of(TAIL), of(1.0 - TAIL)];
-    let target = |deviate: f64| chi_squared::quantile(normal(-deviate), freedom as f64);
+    let target = |deviate: f64| distributions::chi_squared_quantile(normal(-deviate), freedom as f64);
     let lowest = Part::at(estimates, target(-WITHIN_95)?).square;
     let least = target(WITHIN_95)?;
     let highest = Part::at(estimates, least).square.max(bound(estimates, least));
@@ -179,7 +179,7 @@ impl Mixture {
         let step = 2.0 * FARTHEST / f64::from(DEVIATES - 1);
         let deviates = (0..DEVIATES).map(|i| f64::from(i) * step - FARTHEST);
         let part = |deviate: f64| {
-            let target = chi_squared::quantile(normal(-deviate), freedom)?;
+            let target = distributions::chi_squared_quantile(normal(-deviate), freedom)?;
             Some((libm::exp(-0.5 * deviate * deviate), Part::at(estimates, target)))
         };
         let parts: Vec<(f64, Part)> = deviates.map(part).collect::<Option<_>>()?;
@@ -217,7 +217,7 @@ fn normal(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sagnac_records::allan::fisher;
+    use sagnac_records::allan::distributions;
 
     fn exact(logs: &[f64]) -> Vec<Estimate> {
         logs.iter().map(|&log| Estimate { log, variance: 1e-18 }).collect()
@@ -225,7 +225,7 @@ mod tests {
 
     /// Two-sided 95 % quantile of Student's distribution.
     fn student(freedom: f64) -> f64 {
-        libm::sqrt(fisher::quantile(0.95, 1.0, freedom).unwrap())
+        libm::sqrt(distributions::f_quantile(0.95, 1.0, freedom).unwrap())
     }
 
     #[test]
@@ -245,7 +245,7 @@ mod tests {
             close(libm::log(found.interval[1]) - mean, half / libm::sqrt(count));
             close(libm::log(found.next[1]) - mean, half * libm::sqrt(1.0 + 1.0 / count));
             for (end, p) in [(0, 0.975), (1, 0.025)] {
-                let expected = squares / chi_squared::quantile(p, count - 1.0).unwrap();
+                let expected = squares / distributions::chi_squared_quantile(p, count - 1.0).unwrap();
                 close(libm::log1p(found.spread_interval[end] * found.spread_interval[end]), expected);
             }
         }
@@ -258,7 +258,7 @@ mod tests {
         let variance = others.iter().map(|log| (log - mean) * (log - mean)).sum::<f64>() / 6.0;
         for log in [0.1, -0.2, 0.3] {
             let t = (log - mean) / libm::sqrt(variance * (1.0 + 1.0 / 7.0));
-            let [_, expected] = fisher::tails(t * t, 1.0, 6.0).unwrap();
+            let [_, expected] = distributions::f_tails(t * t, 1.0, 6.0).unwrap();
             let below = place(&exact(&[log])[0], &exact(&others)).unwrap();
             let found = 2.0 * below.min(1.0 - below);
             assert!((found / expected - 1.0).abs() < 0.02, "{log}: {found}, not {expected}");

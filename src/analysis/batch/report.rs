@@ -6,13 +6,12 @@ use crate::analysis::batch::random_effects::Pooled;
 use crate::analysis::batch::{Batch, Coefficient, Found, Outlier};
 use crate::analysis::compare::answer::duration;
 use crate::analysis::compare::report::of_ratios;
-use crate::analysis::log;
 use crate::analysis::log::figures::points;
-use crate::analysis::log::records;
 use crate::analysis::log::records::Record;
 use crate::analysis::log::report::text;
+use crate::analysis::log::{self, records};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
-use sagnac_base::quantity::list::listed;
+use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -20,8 +19,7 @@ use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::Deviation;
 use sagnac_report::answer::reading::number;
 use sagnac_report::answer::{AnswerCell, AnswerTable, Fact, Kind, Reading};
-use sagnac_report::chart::figure;
-use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
+use sagnac_report::chart::figure::{self, Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
 
 /// Most units that a caveat names.
 const MAX_NAMED: usize = 3;

@@ -5,10 +5,9 @@ use crate::analysis::compare::{Length, NEAREST, Ratio, power_analysis};
 use crate::analysis::shape::Noise;
 use sagnac_records::allan::Point;
 use sagnac_records::events::{Event, Events};
-use sagnac_records::fit::interval::WITHIN_95;
+use sagnac_records::fit::uncertainty::WITHIN_95;
 use sagnac_records::fit::{Covariance, Curve, Fit, FitError, Fitting, Quantity, Terms, fit_record, survival};
-use sagnac_theory::allan;
-use sagnac_theory::allan::{Estimator, Term, gaussian};
+use sagnac_theory::allan::{self, Estimator, Term, gaussian};
 use statrs::function::gamma::digamma;
 
 /// The test of two records for equal noise.

@@ -2,8 +2,8 @@
 
 use crate::analysis::compare::MIN_P;
 use crate::analysis::compare::logs::Verdict;
-use sagnac_records::allan::{Deviation, Point, fisher};
-use sagnac_records::fit::evidence::Evidence;
+use sagnac_records::allan::{Deviation, Point, distributions};
+use sagnac_records::fit::uncertainty::Evidence;
 
 /// Number of grid points, and of golden sections of one grid step on either side.
 const GRID: u32 = 16;
@@ -183,11 +183,12 @@ impl Ratio {
         let known = value.zip(degrees);
         let tail = 0.5 * (1.0 - CONFIDENCE);
         let interval = known.and_then(|(value, (numerator, denominator))| {
-            let end = |probability| fisher::quantile(probability, numerator, denominator).map(libm::sqrt);
+            let end =
+                |probability| distributions::f_quantile(probability, numerator, denominator).map(libm::sqrt);
             Some([value / end(1.0 - tail)?, value / end(tail)?])
         });
         let p = known.and_then(|(value, (numerator, denominator))| {
-            let [below, above] = fisher::tails(value * value, numerator, denominator)?;
+            let [below, above] = distributions::f_tails(value * value, numerator, denominator)?;
             Some((2.0 * below.min(above)).clamp(MIN_P, 1.0))
         });
         Ratio { points: [a, b], value, interval, p }
@@ -211,7 +212,7 @@ impl Ratio {
 #[cfg(test)]
 mod estimate_tests {
     use super::*;
-    use sagnac_records::fit::interval::{Variance, WITHIN_95};
+    use sagnac_records::fit::uncertainty::{Variance, WITHIN_95};
 
     fn square(estimate: f64, variance: [f64; 3]) -> Estimate {
         Estimate::Square(Evidence::new(estimate, Variance(variance)))

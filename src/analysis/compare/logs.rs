@@ -12,7 +12,7 @@ use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
 use sagnac_records::events::Events;
 use sagnac_records::fit::{Fitting, Term};
-use sagnac_records::record::log::channel::Log;
+use sagnac_records::record::log::Log;
 use sagnac_records::record::log::measure::Data;
 use sagnac_records::record::log::outliers::Outliers;
 use sagnac_report::answer::reading::range;

@@ -51,8 +51,7 @@ pub use crate::analysis::compare::power_analysis::Length;
 
 use crate::analysis::compare::equality_test::Fits;
 use crate::analysis::log::model;
-use sagnac_records::allan::curve::{curve, suppose};
-use sagnac_records::allan::{Angles, Deviation, Point, Taus, Trend};
+use sagnac_records::allan::{Angles, Deviation, Point, Taus, Trend, curve, suppose};
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::{Fit, FitError, Fitting};
 

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::equality_test::two;
 use sagnac_records::allan::Spread;
-use sagnac_records::fit::record::factors;
+use sagnac_records::fit::curve::factors;
 use sagnac_records::fit::{Curve, Fit, Quantity, Terms, fit_record};
-use sagnac_theory::allan::{Difference, Estimator, Part, Process, Term, holds};
+use sagnac_theory::allan::{Difference, Estimator, Part, Process, Term, flicker};
 
 /// Distance of 1.96 standard deviations for p = 5 %, plus 1.28, so that 90 % of records have at least that distance.
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;
@@ -116,7 +116,7 @@ pub(crate) fn expected(
     from_s: f64,
     terms: &Terms,
 ) -> Option<Fit> {
-    let octaves = holds::octaves(samples)?;
+    let octaves = flicker::octaves(samples)?;
     let of_length = |part: &Part| Part { octaves, ..*part };
     let process =
         Process { sample_s: process.sample_s, parts: process.parts.iter().map(of_length).collect() };

@@ -288,8 +288,8 @@ mod tests {
     use crate::analysis::log::Treatment;
     use sagnac_records::allan::Trend;
     use sagnac_records::fit::{Term, Terms};
-    use sagnac_records::record::log::channel::Log;
-    use sagnac_records::record::log::check::UnitCheck;
+    use sagnac_records::record::log::Log;
+    use sagnac_records::record::log::measure::UnitCheck;
     use sagnac_records::record::log::measure::{Data, Unit};
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::analysis::decision::Sheet;
 use crate::analysis::design::report::{called, duration, named};
 use crate::analysis::design::{Design, Filler, Found, PapersRule, Tried, Variant};
-use sagnac_base::quantity::list::listed;
+use sagnac_base::diagnostics::listed;
 use sagnac_base::table::{Column, Unit};
 use sagnac_report::answer::reading::{joined, number, range};
 use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};

@@ -3,8 +3,7 @@
 use crate::analysis::design::DesignError;
 use crate::analysis::firmware::fixed_point_filter::Memory;
 use sagnac_base::quantity::number::significant;
-use sagnac_engine::filler::latency_ticks;
-use sagnac_engine::filler::{Fill, Filler};
+use sagnac_engine::filler::{Fill, Filler, latency_ticks};
 use sagnac_engine::key::Streams;
 use sagnac_engine::kinds::gap_fill::inputs::Inputs;
 use sagnac_engine::kinds::switched_run::SwitchedRun;

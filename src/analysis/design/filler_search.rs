@@ -1,10 +1,9 @@
 //! Minimum-variance fillers that a search adds to a study: a handful that are worth their latency and memory.
 
-use crate::analysis::design;
-use crate::analysis::design::DesignError;
 use crate::analysis::design::candidates::{Constraints, Cost};
+use crate::analysis::design::{self, DesignError};
 use crate::analysis::firmware::search::{Asked, Trade, entry};
-use sagnac_base::quantity::units::{Dimension, parse, round_12};
+use sagnac_base::quantity::{Dimension, parse, round_12};
 use sagnac_engine::filler::read::Error;
 use sagnac_engine::filler::{Fill, Filler, Method, Target};
 use sagnac_engine::kinds::gap_fill::columns::SHIFT;

@@ -5,7 +5,7 @@ use crate::analysis::design::candidates::{Constraints, Cost, keep};
 use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
 use crate::analysis::jackknife::{T_95, of_halves};
-use sagnac_base::quantity::units::{Dimension, Quantity};
+use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_engine::drift::INTERVAL;
 use sagnac_engine::key::sweep::{Sweep, Swept};
 use sagnac_engine::kinds::switched_run::SwitchedRun;

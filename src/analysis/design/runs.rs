@@ -1,9 +1,8 @@
 //! Runs of candidates, and the estimate by which they are compared.
 
-use crate::analysis::design;
 use crate::analysis::design::candidates::{Candidate, Cost, Maker};
 use crate::analysis::design::result::{Filler, Found, Tried};
-use crate::analysis::design::{DesignError, PapersRule, optimum};
+use crate::analysis::design::{self, DesignError, PapersRule, optimum};
 use crate::analysis::jackknife::halves;
 use sagnac_base::progress::Progress;
 use sagnac_engine::key::names;

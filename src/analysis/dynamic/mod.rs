@@ -10,9 +10,8 @@ pub mod report;
 
 use crate::analysis::log::{Treatment, model, temperatures};
 use sagnac_base::quantity::number::significant;
-use sagnac_records::allan::curve::{curve, suppose};
-use sagnac_records::allan::{Angles, Deviation, Point, Unit};
-use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_records::allan::{Angles, Deviation, Point, Unit, curve, suppose};
+use sagnac_records::record::log::{Channel, Log};
 use sagnac_theory::allan::Process;
 
 use crate::analysis::dynamic::change::{Octave, octaves};

@@ -2,9 +2,9 @@
 
 use crate::analysis::firmware::design::{Firmware, limit, rules};
 use crate::analysis::firmware::search::{Asked, Trade};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, Quantity, parse as parse_quantity};
-use sagnac_base::source::diagnose::StudyError;
+use sagnac_base::quantity::{Dimension, Quantity, parse as parse_quantity};
 use sagnac_engine::filler::Filler;
 use sagnac_engine::key::sweep::{Sweep, Swept};
 use sagnac_engine::kinds::gap_fill::GapFill;

@@ -2,8 +2,8 @@
 
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Rule, Trade};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::source::diagnose::StudyError;
 use sagnac_engine::chart::Chart;
 use sagnac_engine::filler::read::{Error, GAP_TICKS};
 use sagnac_engine::filler::{Fill, Filler, Method, Part, Target, latency_ticks};
@@ -17,8 +17,7 @@ use sagnac_engine::kinds::gap_fill::lower::fixed::{Rows, Statistics};
 use sagnac_engine::motion::keys::Design::{FirstHalf, Whole};
 use sagnac_engine::study::Study;
 use sagnac_theory::gap::{Weights, sine_response, tick_amplitude};
-use sagnac_theory::minimum_variance::Band;
-use sagnac_theory::rows::sides;
+use sagnac_theory::minimum_variance::{Band, sides};
 
 /// The fillers of one point of a study.
 #[derive(Debug, Clone)]

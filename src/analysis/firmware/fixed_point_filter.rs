@@ -2,12 +2,11 @@
 
 use crate::analysis::firmware::design::{Firmware, Mark, response};
 use sagnac_base::quantity::number::significant;
-use sagnac_engine::filler::LISTED;
 use sagnac_engine::filler::read::Error;
-use sagnac_engine::filler::{Fill, Filler, Method};
+use sagnac_engine::filler::{Fill, Filler, LISTED, Method};
 use sagnac_engine::kinds::gap_fill::lower::fixed::Rows;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
-use sagnac_report::chart::styles::of_names;
+use sagnac_report::chart::palette::of_names;
 use sagnac_theory::gap::Weights;
 
 /// Weights that give the lost ticks from others, as 32-bit integers over a denominator.

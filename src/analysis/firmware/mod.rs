@@ -23,7 +23,7 @@
 //! // The first point has a gap of one tick: (−1, 4, 4, −1)/6.
 //! assert_eq!(quadratic.interpolation.fill(&[0, 10, 14, 0]), [16]);
 //! assert!(firmware.header().contains("sagnac_quadratic"));
-//! # Ok::<(), sagnac::source::diagnose::StudyError>(())
+//! # Ok::<(), sagnac::diagnostics::StudyError>(())
 //! ```
 
 pub mod choice;

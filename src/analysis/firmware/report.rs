@@ -8,8 +8,7 @@ use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_engine::filler::FILLERS;
 use sagnac_engine::filler::read::Error;
-use sagnac_engine::kinds::gap_fill::columns::FILLER;
-use sagnac_engine::kinds::gap_fill::columns::{Judged, Size, deviation};
+use sagnac_engine::kinds::gap_fill::columns::{FILLER, Judged, Size, deviation};
 use sagnac_report::answer::reading::{begun, number};
 use sagnac_report::answer::{
     Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Part, Reading, Status,

@@ -19,8 +19,7 @@ use sagnac_engine::kinds::gap_fill::inputs::Inputs;
 use sagnac_engine::kinds::gap_fill::lower::fixed::Statistics;
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
 use sagnac_report::chart::figure::{Axis, Figure, Grouping, Limit, Mark, Series, SeriesPoint, Shape};
-use sagnac_theory::minimum_variance::{Band, minimum_variance_weights};
-use sagnac_theory::rows::TickRows;
+use sagnac_theory::minimum_variance::{Band, TickRows, minimum_variance_weights};
 
 /// Most ticks before the gap.
 const MAX_BEFORE: u32 = 32;

@@ -41,7 +41,7 @@ impl Alone {
     /// let gap_fill = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
     /// let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
     /// assert_eq!(firmware.designs[0].interpolation.whole().values().collect::<Vec<_>>(), [-1.0, 2.5, 2.5, -1.0]);
-    /// # Ok::<(), sagnac::source::diagnose::StudyError>(())
+    /// # Ok::<(), sagnac::diagnostics::StudyError>(())
     /// ```
     pub fn study<K: AsRef<str>>(&self, kinds: &[K]) -> String {
         let kinds: Vec<&str> = kinds.iter().map(AsRef::as_ref).collect();

@@ -1,7 +1,7 @@
 //! The charts of `sagnac allan`.
 
 use sagnac_base::quantity::number::{joined, significant};
-use sagnac_base::table::crossing::{between, fraction};
+use sagnac_base::table::{between, crossing_fraction};
 use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Point, Unit};
 use sagnac_records::fit::{Fit, Quantity};
@@ -187,7 +187,7 @@ pub(crate) fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
         return Some(value);
     }
     let (from, before) = *line.get(after.checked_sub(1)?)?;
-    Some(between(before, value, fraction(from, to, x)))
+    Some(between(before, value, crossing_fraction(from, to, x)))
 }
 
 fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (usize, usize)) -> Series {

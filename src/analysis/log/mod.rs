@@ -25,19 +25,17 @@ use crate::analysis::temperature::smoothing::Course;
 use crate::analysis::temperature::{MIN_CHANGE, smoothing};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
-use sagnac_records::allan::curve::{curve, suppose};
 use sagnac_records::allan::{
-    Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum,
+    Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, curve,
+    minimum, suppose,
 };
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
-use sagnac_records::record::error::RecordError;
-use sagnac_records::record::log::channel::{Channel, Log};
-use sagnac_records::record::log::check::UnitCheck;
-use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::RecordError;
+use sagnac_records::record::log::measure::{Data, UnitCheck};
 use sagnac_records::record::log::outliers::Outliers;
 use sagnac_records::record::log::read::Request;
-use sagnac_records::record::log::samples::Samples;
+use sagnac_records::record::log::{Channel, Log, Samples};
 use sagnac_theory::allan::{Process, Term};
 
 /// Number of simulated samples from which on the simulation is announced.

@@ -1,8 +1,7 @@
 //! Tables and notes of a log.
 
 use crate::analysis::data_sheet::Row;
-use crate::analysis::log;
-use crate::analysis::log::{Analysis, Column, Curve};
+use crate::analysis::log::{self, Analysis, Column, Curve};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};

@@ -31,8 +31,8 @@ pub mod writers;
 use crate::analysis::log::events::Row;
 use crate::analysis::model::search::{Found, find};
 use crate::analysis::model::target::{Source, Target};
-use sagnac_base::source::diagnose::StudyError;
-use sagnac_theory::allan::{Part, continuous};
+use sagnac_base::diagnostics::StudyError;
+use sagnac_theory::allan::{self, Part};
 
 /// A first-order Gauss–Markov state of the rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +76,7 @@ impl Model {
 
     /// Allan variance at τ in closed form, (″/s)².
     pub fn variance(&self, tau_s: f64) -> f64 {
-        self.parts().iter().filter_map(|part| continuous::allan_variance(part, tau_s)).sum()
+        self.parts().iter().filter_map(|part| allan::continuous_variance(part, tau_s)).sum()
     }
 
     /// Allan deviation at τ, ″/s.

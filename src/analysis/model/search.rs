@@ -5,8 +5,8 @@ use crate::analysis::model::{Aim, Asked, Markov, Model, ModelError};
 use rayon::prelude::*;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::fit::nnls;
-use sagnac_theory::allan::{Part, continuous};
-use sagnac_theory::cholesky;
+use sagnac_theory::allan::Part;
+use sagnac_theory::{allan, cholesky};
 use serde::Serialize;
 
 /// Correlation times that are tried in each decade of τ.
@@ -133,7 +133,7 @@ fn problem(target: &Target, bounds: &[f64], aim: Aim) -> Problem {
     let square = |x: f64| x * x;
     let left = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let points = target.points.iter().enumerate();
-        let quantized = |tau_s: f64| continuous::allan_variance(&q, tau_s).unwrap_or(0.0);
+        let quantized = |tau_s: f64| allan::continuous_variance(&q, tau_s).unwrap_or(0.0);
         points.map(|(i, point)| (square(of(i)) - quantized(point.tau_s)).max(0.0)).collect()
     };
     let points = &target.points;
@@ -182,7 +182,7 @@ impl Problem {
         }
         let column = |part: Part| -> Vec<f64> {
             let at =
-                |&i: &usize| continuous::allan_variance(&part, self.taus[i]).unwrap_or(0.0) / self.scale[i];
+                |&i: &usize| allan::continuous_variance(&part, self.taus[i]).unwrap_or(0.0) / self.scale[i];
             rows.iter().map(at).collect()
         };
         let relative = |of: &[f64]| rows.iter().map(|&i| of[i] / self.scale[i]).collect::<Vec<f64>>();

@@ -14,7 +14,7 @@
 use crate::analysis::model::Model;
 use sagnac_base::quantity::expression::STANDARD_GRAVITY;
 use sagnac_records::allan::Unit;
-use sagnac_theory::allan::steps::Step;
+use sagnac_theory::allan::markov::Step;
 use serde::Serialize;
 
 /// Size of the unit of a model in SI: of ″ in rad, or of µg in m/s².

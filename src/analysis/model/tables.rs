@@ -10,12 +10,11 @@ use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Aim, Analysis, Column, Markov};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_records::allan;
-use sagnac_records::allan::{Deviation, Unit as Curves};
+use sagnac_records::allan::{self, Deviation, Unit as Curves};
 use sagnac_records::fit::Term;
+use sagnac_report::page::Page;
 use sagnac_report::page::document::Document;
-use sagnac_report::page::sections::Page;
-use sagnac_theory::allan::{Part, continuous};
+use sagnac_theory::allan::{Part, continuous_variance};
 use serde::Serialize;
 
 /// A row of `model.csv`.
@@ -130,7 +129,7 @@ pub(crate) fn lines(column: &Column, taus: &[f64]) -> Vec<(String, Vec<(f64, f64
             }
             term => term.row().title.to_owned(),
         };
-        let at = |&tau_s: &f64| Some((tau_s, libm::sqrt(continuous::allan_variance(part, tau_s)?)));
+        let at = |&tau_s: &f64| Some((tau_s, libm::sqrt(continuous_variance(part, tau_s)?)));
         (label, taus.iter().filter_map(at).collect())
     };
     column.found.model.parts().iter().map(line).collect()

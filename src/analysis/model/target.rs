@@ -2,19 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::analysis::log;
 use crate::analysis::log::events::{Row, of_column};
 use crate::analysis::log::noise_file::{Intervals, intervals_of};
-use crate::analysis::log::report;
 use crate::analysis::log::report::heading;
+use crate::analysis::log::{self, report};
 use crate::analysis::model::{Asked, ModelError, Quantization};
-use sagnac_base::quantity::list::listed;
+use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::noise::Noise;
-use sagnac_records::allan::{Unit, chi_squared, fisher};
+use sagnac_records::allan::{Unit, distributions};
 use sagnac_records::fit::Term;
-use sagnac_theory::allan;
-use sagnac_theory::allan::{Part, continuous};
+use sagnac_theory::allan::{self, Part};
 
 /// Inverse of the longest τ relative to a record, where none is given.
 pub(crate) const MAX_TAU_PART: f64 = 10.0;
@@ -183,8 +181,9 @@ pub(crate) fn repeated(target: &Target, confidence: f64) -> Result<Vec<f64>, Mod
     let octaves = libm::ceil(libm::log2(to_s / from_s)).max(0.0) + 1.0;
     let of = |point: &Point| {
         let edf = point.edf.ok_or(ModelError::NoRecord)?;
-        let ratio = fisher::quantile(1.0 - (1.0 - confidence) / octaves, edf, edf);
-        let width = chi_squared::quantile(0.5 * (1.0 - confidence), edf).map(|quantile| edf / quantile);
+        let ratio = distributions::f_quantile(1.0 - (1.0 - confidence) / octaves, edf, edf);
+        let width =
+            distributions::chi_squared_quantile(0.5 * (1.0 - confidence), edf).map(|quantile| edf / quantile);
         let factor = ratio.zip(width).map(|(ratio, width)| libm::sqrt(ratio * width));
         Ok(factor.map_or(f64::NAN, |factor| factor * point.value))
     };
@@ -209,7 +208,7 @@ impl Known {
                 let crest = self.part.size / (core::f64::consts::PI * turns);
                 crest * crest
             }
-            _ => continuous::allan_variance(&self.part, tau_s).unwrap_or(0.0),
+            _ => allan::continuous_variance(&self.part, tau_s).unwrap_or(0.0),
         };
         let [low, high] = self.ends.map(|end| variance * end * end);
         [low, variance, high]
@@ -250,7 +249,7 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
     parts.extend((lsb > 0.0).then(|| Part::quantization(lsb)));
     let residual = noise.switching.map_or(0.0, |switching| switching.residual_density());
     parts.extend((residual > 0.0).then(|| Part::angle_random_walk(libm::sqrt(residual))));
-    let is_warm_up = |part: &Part| continuous::allan_variance(part, from_s).is_none();
+    let is_warm_up = |part: &Part| allan::continuous_variance(part, from_s).is_none();
     let left_out = parts.iter().any(is_warm_up);
     parts.retain(|part| !is_warm_up(part));
     let known: Vec<Known> = parts

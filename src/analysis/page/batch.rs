@@ -9,8 +9,8 @@ use crate::analysis::requirement::Decision;
 use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::titled;
 use sagnac_report::answer::reading::capitalized;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 
 /// The page of a batch of units with the decision to which it leads.
 pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {

@@ -10,10 +10,10 @@ use crate::analysis::requirement::Decision;
 use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
-use sagnac_records::record::log::channel::Log;
+use sagnac_records::record::log::Log;
 use sagnac_report::answer::reading::capitalized;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 
 /// The page of two logs from their comparison and the decision to which it leads.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {

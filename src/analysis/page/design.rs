@@ -10,8 +10,8 @@ use crate::analysis::{firmware, sensitivity};
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::filler::read::Error;
 use sagnac_engine::study::Study;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 use sagnac_theory::gap::Weights;
 
 /// The page of a design from its chart.

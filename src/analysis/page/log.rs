@@ -14,11 +14,11 @@ use sagnac_base::table::titled;
 use sagnac_records::allan::noise::MIN_GROUPS;
 use sagnac_records::allan::{Point, Spread, Unit};
 use sagnac_records::fit::{Fit, Terms, Verdict};
-use sagnac_records::record::log::channel::Log;
+use sagnac_records::record::log::Log;
 use sagnac_report::answer::Answer;
+use sagnac_report::chart::Picture;
 use sagnac_report::chart::figure::Figure;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 use sagnac_theory::allan::{Process, Term};
 
 /// How many times longer records are tried.

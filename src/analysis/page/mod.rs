@@ -38,8 +38,8 @@ use sagnac_base::table::{self, Role, Table};
 use sagnac_engine::study::Study;
 use sagnac_records::allan::Minimum;
 use sagnac_records::fit::Fit;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Cell, Grid, Section};
 
 /// Significant digits of values.
 const DIGITS: usize = 4;

@@ -10,8 +10,8 @@ use crate::analysis::page::{chart, shown};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 
 /// The page of the models of a log or a noise.toml, with the files that were written for tools.
 pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {

@@ -10,12 +10,12 @@ use sagnac_base::quantity::number::significant;
 use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Trend, Unit as Curves};
 use sagnac_records::events::{Event, What};
-use sagnac_records::record::log::channel::{Channel, Log};
 use sagnac_records::record::log::measure::{Data, Unit};
 use sagnac_records::record::log::outliers::Outliers;
+use sagnac_records::record::log::{Channel, Log};
+use sagnac_report::chart::Picture;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Section};
+use sagnac_report::page::{Block, Section};
 
 /// Most stretches of all records together, which leaves room for the other charts of a page, and of each record.
 const MAX_PARTS: [usize; 2] = [4000, 1000];

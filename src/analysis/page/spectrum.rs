@@ -10,8 +10,8 @@ use sagnac_base::quantity::number::{probability, significant};
 use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
 use sagnac_records::spectrum::{FALSE_ALARM, Line, Point};
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Cell, Grid, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Cell, Grid, Section};
 
 /// Rows of a density per octave.
 const PER_OCTAVE: f64 = 2.0;

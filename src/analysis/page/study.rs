@@ -13,15 +13,15 @@ use crate::view::picture::{Drawn, incomplete, pictures, shown};
 use crate::view::stack::Shown;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::{short, significant};
-use sagnac_base::table::file::hexadecimal;
+use sagnac_base::table::text::hexadecimal;
 use sagnac_base::table::{Cell, Role, Table};
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::error::StoreError;
 use sagnac_engine::store::{Provenance, Store};
 use sagnac_engine::study::Input;
 use sagnac_report::answer::Answer;
-use sagnac_report::chart::picture::Picture;
-use sagnac_report::page::sections::{Block, Grid, Page, Section};
+use sagnac_report::chart::Picture;
+use sagnac_report::page::{Block, Grid, Page, Section};
 use sha2::{Digest, Sha256};
 
 /// Most bytes of a file that a page shows.

@@ -1,8 +1,7 @@
 //! Limits on the noise of a sensor, and their text.
 
-use sagnac_base::quantity::list::listed;
-use sagnac_base::quantity::units::parse_in;
-use sagnac_base::source::diagnose::choices;
+use sagnac_base::diagnostics::{choices, listed};
+use sagnac_base::quantity::parse_in;
 use sagnac_records::allan::{Deviation, Unit};
 use sagnac_records::fit::{Quantity, Term};
 

@@ -1,9 +1,8 @@
 //! What a record shows of that which can be limited.
 
 use crate::analysis::data_sheet::{DataSheet, Row};
-use crate::analysis::log;
-use crate::analysis::log::Column;
 use crate::analysis::log::report::least_or_bound;
+use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::Limited;
 use sagnac_records::allan::{Spread, Unit};
 use sagnac_records::fit::Fit;

@@ -8,8 +8,7 @@ use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};
 use sagnac_engine::key::sensitivity::Uncertain;
-use sagnac_engine::key::sweep::Scale;
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::{Scale, Swept};
 use sagnac_engine::study::Study;
 use sagnac_report::answer::reading::{begun, number, percent_of, range};
 use sagnac_report::answer::{

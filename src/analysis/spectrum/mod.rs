@@ -14,7 +14,7 @@ use crate::analysis::data_sheet::Row;
 use crate::analysis::log::{self, Column, Treatment, temperatures};
 use sagnac_records::events::{Event, What};
 use sagnac_records::fit::Quantity;
-use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_records::record::log::{Channel, Log};
 use sagnac_records::spectrum::{Density, Floor, Line, MAX_USUAL, Point, SpectrumError, Welch, lines};
 use sagnac_theory::allan::{Part, Process, Term};
 

@@ -1,24 +1,20 @@
 //! The report of a spectrum: answer, tables, charts and notes.
 
 use crate::analysis::data_sheet::Row;
-use crate::analysis::log;
 use crate::analysis::log::figures::per_unit;
 use crate::analysis::log::records::Record;
 use crate::analysis::log::report::{heading, key, text};
-use crate::analysis::log::{Column, events, figures, records};
+use crate::analysis::log::{self, Column, events, figures, records};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
 use sagnac_base::quantity::number::{joined, significant};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_records::allan;
-use sagnac_records::allan::{Deviation, Unit as Curves};
+use sagnac_records::allan::{self, Deviation, Unit as Curves};
 use sagnac_records::spectrum::{Line, Point};
 use sagnac_report::answer::{Fact, Reading};
-use sagnac_report::chart::figure;
-use sagnac_report::chart::figure::{Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
-use sagnac_theory::allan::spectrum::density;
-use sagnac_theory::allan::{Part, Term};
+use sagnac_report::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
+use sagnac_theory::allan::{Part, Term, density};
 
 /// Most events that are named; the page has all.
 const MAX_EVENTS: usize = 3;

@@ -17,8 +17,8 @@ use crate::analysis::temperature::regressors::{Effect, Effects, Model};
 use crate::analysis::temperature::smoothing::{Averages, Course, MIN_BLOCKS};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
-use sagnac_records::record::log::channel::{Channel, Log};
 use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::log::{Channel, Log};
 
 /// Least standard deviation of the temperature of blocks, in errors of these means: below it, the errors of the sensor make
 /// a coefficient come out too small by more than a tenth.

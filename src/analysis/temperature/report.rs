@@ -1,17 +1,15 @@
 //! The report of the dependence on temperature: tables, charts and notes.
 
-use crate::analysis::log;
-use crate::analysis::log::Analysis;
 use crate::analysis::log::figures::{of_columns, per_unit};
 use crate::analysis::log::report::{heading, key, text};
+use crate::analysis::log::{self, Analysis};
 use crate::analysis::temperature::regressors::{Effect, Finding};
 use crate::analysis::temperature::{Column, Dependence, Temperature};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};
 use sagnac_engine::key::sweep::Scale;
-use sagnac_records::allan;
-use sagnac_records::allan::{Deviation, Point};
+use sagnac_records::allan::{self, Deviation, Point};
 use sagnac_records::fit::regression::Estimate;
 use sagnac_report::answer::reading::capitalized;
 use sagnac_report::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};

@@ -2,10 +2,10 @@
 
 use crate::analysis::temperature::regressors::{Effect, Finding, Model};
 use crate::analysis::temperature::smoothing::Averages;
-use sagnac_base::quantity::list::listed;
-use sagnac_records::fit::choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL};
+use sagnac_base::diagnostics::listed;
 use sagnac_records::fit::regression::{Blocks, Posterior, Regression};
-use sagnac_theory::allan::{Part, Process, Term, blocks, holds};
+use sagnac_records::fit::selection::{PENALTY, PENALTY_OF_SHAPE, RIVAL};
+use sagnac_theory::allan::{self, Part, Process, Term, flicker};
 
 /// Times of a warm-up that are tried in one pass, and how many of them the noise is learnt beside.
 const TIMES: usize = 24;
@@ -61,9 +61,9 @@ impl Search {
             .chain(times.iter().map(|&time_s| averages.column(Effect::WarmUp, time_s)))
             .collect();
         let reach = averages.places.last().map_or(0, |last| last + 1);
-        let means = |part: &Part| blocks::covariance(part, averages.step_s, averages.m as u64, reach);
+        let means = |part: &Part| allan::block_covariance(part, averages.step_s, averages.m as u64, reach);
         let white = means(&Part::angle_random_walk(1.0));
-        let slow = [Part::bias_instability(1.0, holds::OCTAVES), Part::rate_random_walk(1.0)];
+        let slow = [Part::bias_instability(1.0, flicker::OCTAVES), Part::rate_random_walk(1.0)];
         let [flicker, walk] = slow.map(|part| means(&part));
         let regression = |fast: Vec<f64>| {
             Regression::new(Blocks {

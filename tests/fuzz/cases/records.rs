@@ -2,16 +2,14 @@
 
 use std::path::PathBuf;
 
-use sagnac::allan::trend::Trend;
-use sagnac::record::Record;
+use sagnac::allan::angles::Trend;
 use sagnac::record::binary::Binary;
-use sagnac::record::error::RecordError;
 use sagnac::record::layout::Decimal;
-use sagnac::record::log::channel::Log;
-use sagnac::record::log::check::UnitCheck;
-use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::Log;
+use sagnac::record::log::measure::{Data, Unit, UnitCheck};
 use sagnac::record::log::outliers::outliers;
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
+use sagnac::record::{Record, RecordError};
 use tempfile::TempDir;
 
 use super::Outcome;

@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use sagnac::device::{Cpu, Device};
+use sagnac::diagnostics::StudyError;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::Allan;
 use sagnac::kinds::switched_run::SwitchedRun;
 use sagnac::progress::Silent;
-use sagnac::run::keep;
-use sagnac::run::{Plan, RESOLVED};
-use sagnac::source::diagnose::StudyError;
+use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;

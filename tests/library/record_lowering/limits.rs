@@ -5,10 +5,7 @@ use std::collections::BTreeMap;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::kernel::recipe::Recipe;
-use sagnac::theory::allan::estimator::Difference;
-use sagnac::theory::allan::holds;
-use sagnac::theory::allan::part::Part;
-use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::{Difference, Part, Process, flicker};
 
 use super::{Model, octaves};
 
@@ -35,7 +32,7 @@ fn largest(recipe: &Recipe, difference: Difference, m: u64) -> f64 {
     let holds = (1..).zip(&recipe.flicker).map(|(octave, &word)| {
         let streams = if octave < 3 { 1.0 } else { 4.0 };
         let sigma = unit * of_sigma(word);
-        streams * sigma * sigma * holds::mean_square(difference, 1 << octave, m)
+        streams * sigma * sigma * flicker::mean_square(difference, 1 << octave, m)
     });
     let noise = process.variance(difference, m) + holds.sum::<f64>();
     let spans = difference.spans();

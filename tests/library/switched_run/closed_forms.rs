@@ -2,7 +2,7 @@
 
 use sagnac::kernel::switched_run::trajectory;
 use sagnac::kinds::switched_run::lower::LoweredRun;
-use sagnac::theory::drift::magnetic::{Magnetic, switches};
+use sagnac::theory::drift::{Magnetic, switches};
 
 use super::texts::{DRIFT, numbers, study};
 use crate::studies::parsed;

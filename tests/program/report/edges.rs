@@ -2,8 +2,8 @@
 
 use sagnac::chart::{Chart, Shows};
 use sagnac::report::answer::Answer;
-use sagnac::report::chart::picture::Picture;
-use sagnac::report::page::sections::{Block, Page, Section};
+use sagnac::report::chart::Picture;
+use sagnac::report::page::{Block, Page, Section};
 use sagnac::table::Table;
 use sagnac::view::from_table;
 use sagnac::view::picture::Drawn;

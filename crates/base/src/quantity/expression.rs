@@ -9,7 +9,7 @@
 use std::fmt;
 use std::sync::LazyLock;
 
-use crate::quantity::error::UnitError;
+use crate::quantity::UnitError;
 
 /// Arcseconds in one radian: 180 · 3600 / π.
 const ARCSEC_PER_RAD: f64 = 206_264.806_247_096_36;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::quantity::unit::{Unit, bare};
+use crate::quantity::{Unit, bare};
 use crate::table::{Cell, Cells, Column};
 
 /// The role of a column in its table. A role that refers to another column is stored with the name of that column.

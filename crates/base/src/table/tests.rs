@@ -111,3 +111,54 @@ fn rows_are_compared_by_the_magnitudes_of_intervals_and_by_those_of_means() {
     let column = Column { band_of_mean, ..column };
     assert_eq!([(0, 1), (1, 2)].map(|(one, other)| column.is_alike(one, other)), [false, false]);
 }
+
+fn of(x: &[Cell], y: &[f64], limit: f64) -> Vec<Window> {
+    let column = |name: &str, cells: Vec<Cell>| Column {
+        name: name.to_owned(),
+        label: name.to_owned(),
+        cells: cells.into(),
+        ..Column::default()
+    };
+    let table = Table { columns: vec![column("x", x.to_vec())] };
+    let rows: Vec<usize> = (0..x.len()).collect();
+    windows(&table, &table.columns[0], &rows, limit, |row| y[row])
+}
+
+/// Windows at 1, 2, 4, 8, …
+fn doubling(y: &[f64], limit: f64) -> Vec<Window> {
+    let x: Vec<Cell> = (0..y.len()).map(|at| Cell::Number((1_u32 << at).into())).collect();
+    of(&x, y, limit)
+}
+
+#[test]
+fn crossings_are_found_on_logarithmic_scales() {
+    // 5·(x/2)² is 10 at 2√2.
+    let [[None, Some(end)]] = doubling(&[1.0, 5.0, 20.0], 10.0)[..] else { panic!("no single window") };
+    assert!((end - 8_f64.sqrt()).abs() < 1e-12, "{end}");
+    let [[Some(from), None]] = doubling(&[20.0, 5.0, 1.0], 10.0)[..] else { panic!("no single window") };
+    assert!((from - 2_f64.sqrt()).abs() < 1e-12, "{from}");
+}
+
+#[test]
+fn magnitudes_count_and_signs_are_crossed_on_a_linear_scale() {
+    let [[Some(from), Some(to)]] = doubling(&[-40.0, -5.0, 20.0], 10.0)[..] else {
+        panic!("no single window")
+    };
+    assert!((from - libm::pow(2.0, 2.0 / 3.0)).abs() < 1e-12, "{from}");
+    assert!((to - libm::pow(2.0, 1.0 + 15.0 / 25.0)).abs() < 1e-12, "{to}");
+}
+
+#[test]
+fn a_curve_may_be_within_the_limit_several_times_always_or_never() {
+    let found = doubling(&[1.0, 20.0, 1.0, 20.0, 1.0], 10.0);
+    assert!(matches!(found[..], [[None, Some(_)], [Some(_), Some(_)], [Some(_), None]]), "{found:?}");
+    assert_eq!(doubling(&[1.0, 10.0], 10.0), [[None, None]]);
+    assert!(doubling(&[11.0, 20.0], 10.0).is_empty());
+}
+
+#[test]
+fn nothing_lies_between_counts() {
+    let counts = [1, 2, 3].map(Cell::Integer);
+    assert_eq!(of(&counts, &[1.0, 5.0, 20.0], 10.0), [[None, Some(2.0)]]);
+    assert_eq!(of(&counts, &[20.0, 5.0, 1.0], 10.0), [[Some(2.0), None]]);
+}

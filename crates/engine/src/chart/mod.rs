@@ -8,8 +8,8 @@ use std::ops::Range;
 use crate::key::document::SpannedValue;
 use crate::key::sweep::Scale;
 use crate::key::{ValueType, keys, words};
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::{joined, significant};
-use sagnac_base::quantity::units::Dimension;
 use sagnac_base::table::{About, Cell, Role, Unit, Usual};
 
 /// The name of a column, with its place in the study for messages about an unknown one.

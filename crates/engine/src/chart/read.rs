@@ -7,8 +7,8 @@ use crate::chart::{
 use crate::key::document::{SpannedValue, Table};
 use crate::key::sweep::{Scale, Sweep, Swept, scale_of};
 use crate::key::{Key, ValueType, unlimited};
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::diagnostics::{Fault, choices};
+use sagnac_base::quantity::Dimension;
 use sagnac_base::table::{self, About, Cell, Cells, Column, ColumnError, Role, Unit, Usual};
 
 /// The charts of a study: those written, or one that suits the sweeps.

@@ -9,7 +9,7 @@ use crate::filler::{
 use crate::key::document::{SpannedValue, Table};
 use crate::key::{ValueType, keys, words};
 use crate::motion::keys::{FREQUENCIES, band};
-use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::diagnostics::{Fault, choices};
 
 words! {
     /// An error of a filler.

@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::key::{Key, Measure, ValueType, joined, one_line};
-use sagnac_base::quantity::units::{self, Dimension};
+use sagnac_base::quantity::{self, Dimension};
 
 /// A key of a study file, explained as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,8 +45,8 @@ pub(crate) fn explain(kinds: &[OfKind], name: &str) -> Option<Explained> {
     };
     let has = |kind: &&OfKind| kind.keys.iter().any(|known| known.name == name);
     let accepted = match key.holds.measured() {
-        Some(measure) => units::accepted(measure.accepts),
-        None if key.is_whole() => units::accepted(&[Dimension::Count]),
+        Some(measure) => quantity::accepted(measure.accepts),
+        None if key.is_whole() => quantity::accepted(&[Dimension::Count]),
         None => String::new(),
     };
     let is_swept = kinds.iter().any(|kind| kind.sweepable.iter().any(|known| known.name == name));

@@ -8,8 +8,8 @@ use toml::de::{DeTable, DeValue};
 
 use crate::key::sweep::Sweep;
 use crate::key::{Key, Measure, ValueType, joined};
-use sagnac_base::quantity::units::{self, Dimension, Quantity};
-use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::diagnostics::{Fault, choices};
+use sagnac_base::quantity::{self, Dimension, Quantity};
 
 /// The value of a key, or an item of its list. Its shape has been checked against the key.
 #[derive(Clone, Copy)]
@@ -166,11 +166,10 @@ impl<'a> SpannedValue<'a> {
 
     fn measured(&self, wanted: &[Dimension]) -> Result<Quantity, Fault> {
         let name = self.key.name;
-        let fault = |message: String, label: &str| self.fault(message, label, units::accepted(wanted));
+        let fault = |message: String, label: &str| self.fault(message, label, quantity::accepted(wanted));
         match self.value.get_ref() {
-            DeValue::String(text) => {
-                units::parse(text, wanted).map_err(|error| fault(format!("{name}: {error}"), error.label()))
-            }
+            DeValue::String(text) => quantity::parse(text, wanted)
+                .map_err(|error| fault(format!("{name}: {error}"), error.label())),
             DeValue::Integer(_) | DeValue::Float(_) => {
                 Err(fault(format!("{name}: {self} is a bare number, its unit is missing"), self.form()))
             }
@@ -185,7 +184,7 @@ impl<'a> SpannedValue<'a> {
             Some(ratio) if ratio.value.is_finite() => Ok(ratio),
             _ => {
                 let message = format!("{}: {self} is not a ratio", self.key.name);
-                Err(self.fault(message, self.form(), units::accepted(&[Dimension::Ratio])))
+                Err(self.fault(message, self.form(), quantity::accepted(&[Dimension::Ratio])))
             }
         }
     }

@@ -7,12 +7,12 @@ pub mod sweep;
 
 use crate::key::document::{SpanMap, SpannedValue, Table};
 use crate::key::sweep::{Setting, Sweep};
+pub(crate) use sagnac_base::Word;
+use sagnac_base::diagnostics::Fault;
 pub use sagnac_base::names;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_base::source::diagnose::Fault;
-use sagnac_base::source::text_file::Files;
-pub(crate) use sagnac_base::words::Word;
+use sagnac_base::quantity::{Dimension, Quantity};
+use sagnac_base::text_file::Files;
 use sagnac_kernel::moments::BIN_BITS;
 
 /// The part that a key plays in the question of a study.

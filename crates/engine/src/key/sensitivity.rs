@@ -7,9 +7,9 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::key::document::{SpannedValue, Table};
 use crate::key::sweep::{self, Sweep, Swept};
 use crate::key::{Key, Measure, ValueType, keys};
+use sagnac_base::diagnostics::Fault;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_base::source::diagnose::Fault;
+use sagnac_base::quantity::{Dimension, Quantity};
 
 keys! {
     /// The keys of uncertain inputs.

@@ -9,10 +9,9 @@ use toml::Spanned;
 
 use crate::key::document::{SpannedValue, Table};
 use crate::key::{Key, ValueType, keys};
-use sagnac_base::quantity::unit::Written;
-use sagnac_base::quantity::units::Quantity;
-pub use sagnac_base::scale::Scale;
-use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::diagnostics::{Fault, choices};
+pub use sagnac_base::quantity::number::Scale;
+use sagnac_base::quantity::{Quantity, Written};
 use sagnac_base::table::{Cell, Unit};
 
 keys! {

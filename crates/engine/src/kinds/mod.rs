@@ -22,8 +22,8 @@ use crate::key::docs::{self, Explained, OfKind, explain};
 use crate::key::document::{Table, check, wrong_shape};
 use crate::key::{self, KIND, TITLE, ValueType, keys, measure, sensitivity, sweep};
 use crate::study::Kind;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, choices};
+use sagnac_base::diagnostics::{Fault, choices};
+use sagnac_base::quantity::Dimension;
 
 /// Every kind of study.
 pub static KINDS: [&Kind; 8] = [

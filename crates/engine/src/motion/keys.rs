@@ -8,14 +8,13 @@ use crate::key::{Key, ParseContext, ValueType, keys, measure, unlimited, words};
 use crate::motion::{
     self, Acceleration, Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value, Vibration,
 };
-use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_base::source::diagnose::{Fault, Wrong, choices};
-use sagnac_base::source::text_file::MAX_RECORD;
+use sagnac_base::diagnostics::{Fault, Wrong, choices};
+use sagnac_base::quantity::{Dimension, Quantity};
+use sagnac_base::text_file::MAX_RECORD;
 use sagnac_kernel::gap_fill::shape::MAX_TONES;
 use sagnac_records::record::Record;
 use sagnac_theory::minimum_variance::Band;
-use sagnac_theory::psd::Psd;
-use sagnac_theory::suspension::{Mode, NAMES, Suspension};
+use sagnac_theory::vibration::{Mode, NAMES, Psd, Suspension};
 
 words! {
     /// Phase of the rate at the middle of the gap.

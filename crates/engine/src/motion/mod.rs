@@ -13,20 +13,16 @@ use crate::motion::keys::{
     SuspensionKeys, read_psd,
 };
 use crate::tally::Id;
+use sagnac_base::diagnostics::Fault;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::round_12;
-use sagnac_base::source::diagnose::Fault;
+use sagnac_base::quantity::round_12;
 use sagnac_kernel::gap_fill::shape::MARGIN;
 use sagnac_records::record::Record;
 use sagnac_theory::cholesky::semidefinite;
-use sagnac_theory::double::Double;
-use sagnac_theory::lines::{self, Line};
-use sagnac_theory::memo::Memo;
-use sagnac_theory::minimum_variance::Band;
-use sagnac_theory::psd::Psd;
-use sagnac_theory::quadrature::Rule;
-use sagnac_theory::rows::{Rows, TickRows, ticks};
-use sagnac_theory::suspension::Suspension;
+use sagnac_theory::lines::{self, Double, Line};
+use sagnac_theory::minimum_variance::{Band, Rows, TickRows, ticks};
+use sagnac_theory::quadrature::{Memo, Rule};
+use sagnac_theory::vibration::{Psd, Suspension};
 
 /// The motion of the base, the sum of all its parts. The rate is that at the middle of the gap.
 #[derive(Debug, Clone, PartialEq, Default)]

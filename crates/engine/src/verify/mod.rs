@@ -33,7 +33,7 @@ use sagnac_kernel::moments::{Moments, Trials};
 use sagnac_kernel::width::Width;
 use sagnac_kernel::word::Scalar;
 use sagnac_kernel::{Form, KERNELS, Kernel, philox};
-use sagnac_theory::allan::estimator::Estimator;
+use sagnac_theory::allan::Estimator;
 
 /// The loads on which a kernel is checked; a building block has none.
 pub fn loads(kernel: &Kernel) -> Vec<Workload> {

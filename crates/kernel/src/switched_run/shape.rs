@@ -2,10 +2,9 @@
 
 use crate::launch::{self, MAX_STEPS, Misfit};
 use crate::parameters::parameters;
-use crate::part;
-use crate::relock_ticks;
 use crate::sealed::Sealed;
 use crate::shader::{Part, Shader};
+use crate::{part, relock_ticks};
 
 /// Most tones of the motion at a switch.
 pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;

@@ -11,9 +11,8 @@ use rayon::prelude::*;
 
 use crate::allan::Angles;
 use crate::fit::PENALTY;
-use crate::fit::nnls::dot;
-use crate::fit::search::golden;
-use sagnac_theory::allan::{Part, blocks, holds};
+use crate::fit::search::{dot, golden};
+use sagnac_theory::allan::{self, Part, flicker};
 use sagnac_theory::cholesky;
 
 /// Most and fewest blocks, and the least share of the samples of a block that must be known.
@@ -136,11 +135,11 @@ impl<'a> Slow<'a> {
         let reach = places[places.len() - 1] + 1;
         let noises = [
             Part::angle_random_walk(1.0),
-            Part::bias_instability(1.0, holds::OCTAVES),
+            Part::bias_instability(1.0, flicker::OCTAVES),
             Part::rate_random_walk(1.0),
         ];
         let noises = noises.map(|part| {
-            let covariance = blocks::covariance(&part, angles.step_s, m as u64, reach);
+            let covariance = allan::block_covariance(&part, angles.step_s, m as u64, reach);
             let scale = about_mean(&covariance, &places);
             covariance.iter().map(|cell| cell / scale).collect::<Vec<f64>>()
         });

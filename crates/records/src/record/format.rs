@@ -3,21 +3,20 @@
 use std::io::{self, Chain, Cursor, Read, Seek};
 use std::path::Path;
 
-#[cfg(feature = "ros")]
-use crate::record::bag::open as bag;
-use crate::record::calendar::Calendar;
-use crate::record::error::{RecordError, malformed};
+use crate::record::column_file::Rules;
 #[cfg(feature = "hdf5")]
 use crate::record::hdf5::open as hdf5;
 use crate::record::log::measure::Data;
 use crate::record::loggers::Rivals;
-#[cfg(feature = "ros")]
-use crate::record::mcap::open as mcap;
 use crate::record::names::Name;
-use crate::record::recording::Rules;
-use crate::record::{mat, npy, npz};
-use sagnac_base::source::place::Place;
-use sagnac_base::source::text_file::open;
+#[cfg(feature = "ros")]
+use crate::record::ros::open_bag as bag;
+#[cfg(feature = "ros")]
+use crate::record::ros::open_mcap as mcap;
+use crate::record::time::Calendar;
+use crate::record::{RecordError, malformed, mat, numpy};
+use sagnac_base::diagnostics::Place;
+use sagnac_base::text_file::open;
 
 /// Bytes from which the format and the layout of a file are determined.
 pub(crate) const HEAD: u64 = 1 << 20;
@@ -32,8 +31,8 @@ pub(crate) struct Format {
 
 /// All formats that the first bytes tell; other files are text.
 pub(crate) static FORMATS: &[Format] = &[
-    npy::FORMAT,
-    npz::FORMAT,
+    numpy::NPY,
+    numpy::NPZ,
     // Before MATLAB's earlier format, because its files may begin like those.
     Format { begins: is_hdf5, open: hdf5 },
     mat::FORMAT,

@@ -9,12 +9,11 @@ use hdf5_reader::error::{ByteOrder, Error};
 use hdf5_reader::group::Group;
 use hdf5_reader::{Dataset, Datatype, FileStorage, Hdf5File, OpenOptions};
 
-use crate::record::arrays::{Array, Arrays};
-use crate::record::error::RecordError;
+use crate::record::RecordError;
+use crate::record::binary::{Array, Arrays, Matrix, Number};
+use crate::record::column_file::Rules;
 use crate::record::format::{Columns, Origin, Source};
-use crate::record::matrix::{Matrix, Number};
 use crate::record::names::Name;
-use crate::record::recording::Rules;
 
 /// Deepest groups that are searched, and most groups and datasets.
 const DEEPEST: usize = 16;

@@ -2,17 +2,16 @@
 
 use std::ops::Range;
 
-use crate::record::calendar::{Calendar, First};
+use crate::record::RecordError;
 pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
-use crate::record::error::RecordError;
 use crate::record::log::measure::Data;
 use crate::record::log::timing::is_time;
 use crate::record::loggers::{self, Known, Rivals};
 use crate::record::names::Name;
-use crate::record::time::median_step;
-use sagnac_base::quantity::units::{Dimension, parse as parse_quantity};
-use sagnac_base::source::place::{Place, decoded};
+use crate::record::time::{Calendar, First, median_step};
+use sagnac_base::diagnostics::{Place, decoded};
+use sagnac_base::quantity::{Dimension, parse as parse_quantity};
 
 /// Lines from which delimiter and decimals are found.
 const SAMPLE: usize = 32;

@@ -7,12 +7,11 @@ use std::io::{self, Cursor, Read, SeekFrom, Take};
 
 use flate2::read::ZlibDecoder;
 
-use crate::record::arrays::{Array, Arrays};
-use crate::record::error::{RecordError, malformed, told};
+use crate::record::binary::{Array, Arrays, Matrix, Number};
+use crate::record::column_file::Rules;
 use crate::record::format::{Columns, Format, Seekable, Source};
-use crate::record::matrix::{Matrix, Number};
 use crate::record::names::Name;
-use crate::record::recording::Rules;
+use crate::record::{RecordError, malformed, told};
 
 /// Length of the header: text, offset of other data, version and order of bytes.
 const HEADER: usize = 128;

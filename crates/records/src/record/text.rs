@@ -5,17 +5,16 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::record::calendar::{Calendar, DAY_S, First};
 use crate::record::cells::{Cells, Decimal};
-use crate::record::error::{Faults, RecordError};
-use crate::record::excess;
+use crate::record::column_file::Rules;
 use crate::record::format::{Bytes, Columns, HEAD, Origin, Source};
 use crate::record::layout::Layout;
 use crate::record::log::measure::Data;
 use crate::record::loggers::Rivals;
 use crate::record::names::Name;
-use crate::record::recording::Rules;
-use sagnac_base::source::place::{Place, decoded};
+use crate::record::time::{Calendar, DAY_S, First};
+use crate::record::{Faults, RecordError, excess};
+use sagnac_base::diagnostics::{Place, decoded};
 
 /// Bytes read at a time; no line may be longer.
 const BLOCK: usize = 16 << 20;

@@ -1,17 +1,19 @@
 //! Lines: sines, such as a vibration of the table or what is left of a dither.
+//!
+//! [`Floor`] is the level of the white noise in a density, from the median of densities between the lines.
 
-use core::f64::consts::PI;
+use core::f64::consts::{FRAC_2_PI, PI};
 use std::ops::Range;
 
-use crate::allan::fisher;
-use crate::spectrum::Density;
-use crate::spectrum::median::Median;
+use crate::allan::distributions;
+use crate::fit::survival;
+use crate::spectrum::{Density, NEIGHBOURS, ends};
 
 /// Most probability that a record of Gaussian noise with a smooth density shows any line at all.
 pub const FALSE_ALARM: f64 = 0.003;
 
 /// The first multiple of the spacing that the removed means do not affect.
-pub(crate) const FIRST: usize = 2;
+const FIRST: usize = 2;
 /// Fewest and most densities on each side of one that determine the floor around it.
 const SIDES: [usize; 2] = [12, 50];
 /// Half the width of a line in the density: the main lobe of the Hann window.
@@ -92,7 +94,7 @@ pub fn lines(density: &Density) -> Vec<Line> {
 }
 
 /// The end of the multiples of the spacing that are tested: below half the sampling rate.
-pub(crate) fn tested_end(density: &Density) -> usize {
+fn tested_end(density: &Density) -> usize {
     density.segment.div_ceil(2)
 }
 
@@ -131,7 +133,7 @@ impl Mirrored<'_> {
         let count = values.len();
         let floor = median.mean(values).filter(|floor| *floor > 0.0);
         let ratio = floor.map_or(0.0, |floor| self.at(k) / floor);
-        let tails = fisher::tails(ratio, self.density.freedom, median.freedom(count));
+        let tails = distributions::f_tails(ratio, self.density.freedom, median.freedom(count));
         (ratio, tails.map_or(1.0, |[_, above]| above))
     }
 
@@ -144,4 +146,209 @@ impl Mirrored<'_> {
         let ratio = below.max(above) / root(peak);
         peak as f64 + side * ((2.0 * ratio - 1.0) / (1.0 + ratio)).clamp(-0.5, 0.5)
     }
+}
+
+/// Fewest densities in a cell, the unit of a range of frequencies.
+const MIN_IN_CELL: usize = 16;
+/// Ratio of the ends of a cell.
+const CELL: f64 = 1.189_207_115_002_721;
+/// Fewest cells in a range, and least ratio of its ends.
+const MIN_CELLS: usize = 3;
+const MIN_RATIO: f64 = 2.0;
+/// Probability of the scatter of the cells of a white range below which a range is not taken as white.
+const UNLIKELY: f64 = 0.05;
+/// Most standard errors of the slope of a white range.
+const MAX_SLOPE: f64 = 2.0;
+
+/// The density of the widest range of frequencies in which it is flat.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Floor {
+    /// The points of the density that are in the range; those of lines are left out.
+    pub places: Range<usize>,
+    /// Ends of the range, Hz.
+    pub range_hz: [f64; 2],
+    /// One-sided density, (″/s)²/Hz.
+    pub density: f64,
+    /// Its interval, with the probability of those of the density.
+    pub interval: (f64, f64),
+    /// Degrees of freedom of the density.
+    pub freedom: f64,
+}
+
+/// The level of a cell.
+struct Cell {
+    bins: Range<usize>,
+    /// Logarithms of the middle frequency and of the density.
+    at: f64,
+    level: f64,
+    /// Inverse of the variance of `level`.
+    weight: f64,
+}
+
+impl Floor {
+    /// The floor of a density with these lines; `None` where no range of at least an octave is flat.
+    ///
+    /// # Method
+    /// The frequencies are divided into cells of a quarter of an octave and at least 16 densities. The level of a cell is
+    /// the median of its densities, without those of lines. A range of cells is flat if the χ² of the logarithms of their
+    /// levels around their mean has a probability of at least 5 %, and a slope over the logarithm of the frequency is at
+    /// most two standard errors. The floor is the median of all densities of the widest flat range over the median of
+    /// their distribution.
+    ///
+    /// # Bias
+    /// Other noise that is too weak in the range to show as a slope is part of the floor.
+    pub fn of(density: &Density, lines: &[Line]) -> Option<Floor> {
+        let median = Median::new(density.freedom)?;
+        let is_clear = |k: &usize| !lines.iter().any(|line| line.places.contains(&(k - 1)));
+        let values = |bins: Range<usize>| -> Vec<f64> {
+            bins.filter(is_clear).map(|k| density.points[k - 1].value).collect()
+        };
+        let cell = |bins: Range<usize>| {
+            let values = values(bins.clone());
+            let weight = 0.5 * median.freedom(values.len());
+            let level = libm::log(median.mean(values)?);
+            let at = libm::log(0.5 * (bins.start + bins.end) as f64);
+            level.is_finite().then_some(Cell { bins, at, level, weight })
+        };
+        let cells: Vec<Cell> = cells(FIRST..tested_end(density)).into_iter().filter_map(cell).collect();
+        let bins = widest(&cells)?;
+        Floor::over(density, lines, bins.start - 1..bins.end - 1)
+    }
+
+    /// The level of a density over some of its points, without those of lines, as if it were flat there; `None` if there are
+    /// too few.
+    pub fn over(density: &Density, lines: &[Line], places: Range<usize>) -> Option<Floor> {
+        let median = Median::new(density.freedom)?;
+        let is_clear = |place: &usize| !lines.iter().any(|line| line.places.contains(place));
+        let values: Vec<f64> =
+            places.clone().filter(is_clear).map(|place| density.points[place].value).collect();
+        if values.len() < MIN_IN_CELL {
+            return None;
+        }
+        let freedom = median.freedom(values.len());
+        let level = median.mean(values)?;
+        let (low, high) = ends(freedom, density.confidence)?;
+        let hz = |place: usize| density.points[place].frequency_hz;
+        Some(Floor {
+            range_hz: [hz(places.start), hz(places.end - 1)],
+            places,
+            density: level,
+            interval: (low * level, high * level),
+            freedom,
+        })
+    }
+}
+
+/// Cells over a range of multiples of the spacing; a short rest belongs to the last one.
+fn cells(all: Range<usize>) -> Vec<Range<usize>> {
+    let mut cells = Vec::new();
+    let mut start = all.start;
+    while start < all.end {
+        let end = (start + MIN_IN_CELL).max(libm::ceil(CELL * start as f64) as usize);
+        let end = if end + MIN_IN_CELL > all.end { all.end } else { end };
+        cells.push(start..end);
+        start = end;
+    }
+    cells
+}
+
+/// The widest flat range of cells.
+fn widest(cells: &[Cell]) -> Option<Range<usize>> {
+    let mut best: Option<Range<usize>> = None;
+    for first in 0..cells.len() {
+        for end in first + MIN_CELLS..=cells.len() {
+            let range = cells[first].bins.start..cells[end - 1].bins.end;
+            let is_wider = best.as_ref().is_none_or(|best| range.len() > best.len());
+            let is_octave = range.end as f64 >= MIN_RATIO * range.start as f64;
+            if is_wider && is_octave && is_flat(&cells[first..end]) {
+                best = Some(range);
+            }
+        }
+    }
+    best
+}
+
+/// Whether the levels of some cells are equal but for their scatter.
+fn is_flat(cells: &[Cell]) -> bool {
+    let weights: f64 = cells.iter().map(|cell| cell.weight).sum();
+    let mean = |of: fn(&Cell) -> f64| cells.iter().map(|cell| cell.weight * of(cell)).sum::<f64>() / weights;
+    let (level, at) = (mean(|cell| cell.level), mean(|cell| cell.at));
+    let sum = |of: &dyn Fn(&Cell) -> f64| cells.iter().map(|cell| cell.weight * of(cell)).sum::<f64>();
+    let chi_squared = sum(&|cell| (cell.level - level) * (cell.level - level));
+    let slope =
+        sum(&|cell| (cell.at - at) * cell.level) / libm::sqrt(sum(&|cell| (cell.at - at) * (cell.at - at)));
+    survival(chi_squared, cells.len() - 1) >= UNLIKELY && slope.abs() <= MAX_SLOPE
+}
+
+/// The distribution of the median of densities at neighbouring frequencies, in units of their mean.
+#[derive(Debug, Clone, Copy)]
+struct Median {
+    /// Median of one density.
+    pub(crate) factor: f64,
+    /// Variance of the median of n densities over its square, times n.
+    variance: f64,
+}
+
+impl Median {
+    /// That of densities with these degrees of freedom; `None` if they have no quantiles.
+    ///
+    /// The variance of a median of n values is Σ_d C_d/(4f²n) with the density f of one value at its median and the
+    /// correlation C_d = (2/π) arcsin ρ_d of the signs of two values, d places apart, around it. The latter is that of
+    /// normal values.
+    pub(crate) fn new(freedom: f64) -> Option<Median> {
+        let median = distributions::chi_squared_quantile(0.5, freedom)?;
+        let half = 0.5 * freedom;
+        let log = (half - 1.0) * libm::log(0.5 * median) - 0.5 * median - libm::lgamma(half);
+        // Of χ² itself, whose mean is `freedom`: f times the median is free of the unit.
+        let density = 0.5 * libm::exp(log) * median;
+        let signs = 1.0 + NEIGHBOURS.map(|c| 2.0 * FRAC_2_PI * libm::asin(c)).iter().sum::<f64>();
+        Some(Median { factor: median / freedom, variance: signs / (4.0 * density * density) })
+    }
+
+    /// Degrees of freedom of a mean that scatters as much as the median of `count` densities.
+    pub(crate) fn freedom(&self, count: usize) -> f64 {
+        2.0 * count as f64 / self.variance
+    }
+
+    /// The mean of densities by their median, which a few of them cannot change by much however large they are.
+    pub(crate) fn mean(&self, mut values: Vec<f64>) -> Option<f64> {
+        let middle = values.len() / 2;
+        let is_even = values.len().is_multiple_of(2);
+        if values.is_empty() {
+            return None;
+        }
+        let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+        let lower = below.iter().copied().filter(|_| is_even).fold(f64::NEG_INFINITY, f64::max);
+        let median = if is_even { 0.5 * (lower + *upper) } else { *upper };
+        Some(median / self.factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_and_the_variance_are_those_of_scipy() {
+        // chi2.median(v)/v and Σ_d C_d/(4·(v·chi2.pdf(v·m, v))²)/m² with that m, SciPy 1.17.
+        for (freedom, factor, variance) in FROM_SCIPY {
+            let found = Median::new(freedom).unwrap();
+            assert!((found.factor / factor - 1.0).abs() < 1e-7, "{freedom}: {}", found.factor);
+            assert!((found.variance / variance - 1.0).abs() < 1e-7, "{freedom}: {}", found.variance);
+        }
+    }
+
+    #[test]
+    fn the_median_of_an_even_number_is_between_the_middle_ones() {
+        let one = Median { factor: 1.0, variance: 1.0 };
+        assert_eq!(one.mean(vec![4.0, 1.0, 9.0, 2.0]), Some(3.0));
+        assert_eq!(one.mean(vec![4.0, 1.0, 9.0]), Some(4.0));
+        assert_eq!(one.mean(vec![]), None);
+    }
+
+    const FROM_SCIPY: [(f64, f64, f64); 3] = [
+        (2.0, 0.6931471805599455, 3.375497338446589),
+        (5.785714285714286, 0.8874347777611452, 0.9703553261931418),
+        (28.52112676056338, 0.9767251465076218, 0.1821607320326096),
+    ];
 }

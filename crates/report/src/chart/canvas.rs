@@ -3,9 +3,8 @@
 use std::borrow::Cow;
 use std::fmt::{self, Display, Write as _};
 
-use crate::chart::layout::{Frame, HEIGHT, WIDTH};
+use crate::chart::layout::{self, Frame, HEIGHT, WIDTH};
 use crate::chart::palette;
-use crate::chart::text;
 
 /// The shapes of a picture, from the lowest to the uppermost.
 #[derive(Debug)]
@@ -192,7 +191,7 @@ impl Canvas {
 
     /// The picture as SVG, one element per line.
     pub fn svg(&self) -> String {
-        let (w, h, family, name) = (Px(WIDTH), Px(HEIGHT), text::FAMILY, Escaped(&self.name));
+        let (w, h, family, name) = (Px(WIDTH), Px(HEIGHT), layout::FAMILY, Escaped(&self.name));
         let shapes = elements(&self.shapes, 1);
         format!(
             r##"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" font-family="{family}" role="img" aria-label="{name}">

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::chart::scale::Scale;
+use crate::chart::axis::Scale;
 use sagnac_base::table::titled;
 
 /// A chart of curves y(x).
@@ -173,7 +173,7 @@ pub struct LawLine {
 
 /// The single one of several styles, for pages.
 fn only<S: Serializer>(colours: &[usize], serializer: S) -> Result<S::Ok, S::Error> {
-    crate::chart::laws::only(colours).serialize(serializer)
+    crate::chart::overlap::only(colours).serialize(serializer)
 }
 
 /// The parts of which a curve is the sum, drawn as thin dashed lines that do not extend the axes.

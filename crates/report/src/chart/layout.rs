@@ -1,11 +1,10 @@
-//! The layout common to all pictures: their size, their titles, and the room for their axes.
+//! The layout common to all pictures: their size, their titles, their axes with grid and tick labels, and the width of text in
+//! DejaVu Sans.
 
-use crate::chart::axes::widest;
-use crate::chart::canvas::{Canvas, Lettering, Set};
+use crate::chart::axis::Range;
+use crate::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::chart::figure::Axis;
-use crate::chart::palette::{INK, MUTED};
-use crate::chart::scale::Range;
-use crate::chart::text;
+use crate::chart::palette::{GRID, INK, MUTED};
 use crate::chart::ticks::Ticks;
 
 /// Width of every picture in CSS px.
@@ -76,12 +75,12 @@ pub struct Titles<'a> {
 impl Titles<'_> {
     /// The lines of the subtitle, the last of which is shortened if there are too many.
     fn subtitle_lines(&self) -> Vec<String> {
-        let mut lines = text::wrapped(self.subtitle.unwrap_or_default(), SUBTITLE_SIZE, false, ROOM);
+        let mut lines = wrapped_text(self.subtitle.unwrap_or_default(), SUBTITLE_SIZE, false, ROOM);
         if lines.len() > MAX_LINES {
             let rest = lines.split_off(MAX_LINES - 1).join(" ");
             lines.push(rest);
         }
-        lines.iter().map(|line| text::fitted(line, SUBTITLE_SIZE, false, ROOM)).collect()
+        lines.iter().map(|line| fitted_text(line, SUBTITLE_SIZE, false, ROOM)).collect()
     }
 
     /// The frame that leaves room for the titles, the labels of the vertical axis and `beside` px on the right.
@@ -98,16 +97,16 @@ impl Titles<'_> {
     }
 
     pub fn draw(&self, canvas: &mut Canvas, frame: Frame) {
-        let wanted = text::width(self.title, TITLE_SIZE, true);
+        let wanted = text_width(self.title, TITLE_SIZE, true);
         let size = (TITLE_SIZE * (ROOM / wanted.max(1.0)).min(1.0)).max(14.0);
         let title = Lettering { size, bold: true, colour: INK, anchor: "start" };
-        canvas.text((MARGIN, 40.0), &text::fitted(self.title, size, true, ROOM), title);
+        canvas.text((MARGIN, 40.0), &fitted_text(self.title, size, true, ROOM), title);
         let lettering = Lettering { size: SUBTITLE_SIZE, bold: false, colour: MUTED, anchor: "start" };
         for (place, line) in self.subtitle_lines().iter().enumerate() {
             canvas.text((MARGIN, 63.0 + LINE * place as f64), line, lettering);
         }
         let Frame { left, top, right, bottom } = frame;
-        let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);
+        let fitted = |title: &str, room: f64| fitted_text(title, AXIS_TITLE.size, false, room);
         canvas.text(
             (0.5 * (left + right), HEIGHT - 20.0),
             &fitted(&self.x.title(), right - left),
@@ -119,7 +118,7 @@ impl Titles<'_> {
 
 /// Writes the title of a vertical axis upwards, its baseline at `x`, centred between two heights.
 pub fn draw_axis_title(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64), title: &str) {
-    let title = text::fitted(title, AXIS_TITLE.size, false, bottom - top);
+    let title = fitted_text(title, AXIS_TITLE.size, false, bottom - top);
     canvas.set_text(Set::Upwards, (x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
 }
 
@@ -134,4 +133,191 @@ pub fn draw_nothing(canvas: &mut Canvas, what: &str, left_out: usize, frame: Fra
     let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
     let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
     canvas.set_text(Set::OnWhite, place, &why, lettering);
+}
+
+/// Size of the tick labels.
+pub const TICK_SIZE: f64 = 13.0;
+
+const TICK_LABEL: Lettering = Lettering { size: TICK_SIZE, bold: false, colour: INK, anchor: "middle" };
+const AXIS: Stroke = Stroke { colour: INK, width: 1.1, dash: "" };
+/// Lengths of ticks with and without a label.
+const LENGTHS: [f64; 2] = [6.0, 3.0];
+
+/// The width of the widest label.
+pub fn widest(ticks: &Ticks) -> f64 {
+    ticks.major.iter().map(|(_, label)| text_width(label, TICK_SIZE, false)).fold(0.0, f64::max)
+}
+
+/// Draws lines across the frame, stronger ones at the labelled ticks.
+pub fn draw_grid(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
+    let Frame { left, top, right, bottom } = area.frame;
+    // The stronger lines come last, over the others.
+    for rank in [1, 0] {
+        let stroke = Stroke { colour: GRID[rank], width: 1.0, dash: "" };
+        for x in columns(area, x_ticks, rank) {
+            canvas.line(&[(x, top), (x, bottom)], stroke);
+        }
+        for y in rows(area, y_ticks, rank) {
+            canvas.line(&[(left, y), (right, y)], stroke);
+        }
+    }
+}
+
+/// Draws the axes, their ticks and the labels.
+pub fn draw_axes(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
+    let Frame { left, top, right, bottom } = area.frame;
+    canvas.line(&[(left, top), (left, bottom), (right, bottom)], AXIS);
+    for (rank, length) in LENGTHS.into_iter().enumerate() {
+        for x in columns(area, x_ticks, rank) {
+            canvas.line(&[(x, bottom), (x, bottom + length)], AXIS);
+        }
+        for y in rows(area, y_ticks, rank) {
+            canvas.line(&[(left - length, y), (left, y)], AXIS);
+        }
+    }
+    let mut free_from = f64::NEG_INFINITY;
+    for (x, (_, label)) in columns(area, x_ticks, 0).zip(&x_ticks.major) {
+        let half = 0.5 * text_width(label, TICK_SIZE, false);
+        // A label that would touch the one before is left out; its tick stays.
+        if x - half > free_from && !label.is_empty() {
+            canvas.text((x, bottom + 23.0), label, TICK_LABEL);
+            free_from = x + half + 6.0;
+        }
+    }
+    for (y, (_, label)) in rows(area, y_ticks, 0).zip(&y_ticks.major) {
+        canvas.text((left - 10.0, y + 0.36 * TICK_SIZE), label, Lettering { anchor: "end", ..TICK_LABEL });
+    }
+}
+
+/// Writes the names that stand side by side under an axis, each in up to two lines within its share of the width.
+pub fn draw_names(canvas: &mut Canvas, area: &Area, names: &[String]) {
+    let Frame { left, right, bottom, .. } = area.frame;
+    let room = (right - left) / names.len().max(1) as f64 - 8.0;
+    for (place, name) in (1..).zip(names) {
+        let x = area.across(f64::from(place));
+        let lines = in_lines(name, room, |line| text_width(line, TICK_SIZE, false));
+        for (line, y) in lines.iter().zip([bottom + 21.0, bottom + 36.0]) {
+            canvas.text((x, y), &fitted_text(line, TICK_SIZE, false, room), TICK_LABEL);
+        }
+    }
+}
+
+/// A text in one line if it fits, else in two of about equal length.
+pub fn in_lines(text: &str, room: f64, width: impl Fn(&str) -> f64) -> Vec<&str> {
+    if width(text) <= room {
+        return vec![text];
+    }
+    let cuts = text.match_indices(' ').map(|(at, _)| [&text[..at], &text[at + 1..]]);
+    let longer = |[a, b]: &[&str; 2]| width(a).max(width(b));
+    let best = cuts.min_by(|a, b| longer(a).total_cmp(&longer(b)));
+    best.map_or(vec![text], Vec::from)
+}
+
+/// The places of the ticks of the x axis: the labelled ones (rank 0) or the others (rank 1).
+fn columns(area: &Area, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
+    ranked(ticks, rank).map(move |x| area.across(x))
+}
+
+/// The places of the ticks of the y axis.
+fn rows(area: &Area, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
+    ranked(ticks, rank).map(move |y| area.down(y))
+}
+
+fn ranked(ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
+    let major = ticks.major.iter().map(|(value, _)| *value).filter(move |_| rank == 0);
+    major.chain(ticks.minor.iter().copied().filter(move |_| rank == 1))
+}
+
+/// The font's name for pictures, with substitutes where it is not installed.
+pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
+
+/// The advances of DejaVu Sans, regular, then bold: for each of [`KNOWN_LETTERS`] a u16 in units of the font, lowest byte
+/// first. A test in `png.rs` derives them from the fonts.
+pub const ADVANCES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/fonts/advances"));
+
+/// The code points whose advances are known; others count as wide as the widest letter.
+pub const KNOWN_LETTERS: std::ops::Range<u32> = 0x20..0x2800;
+
+pub const UNITS_PER_EM: u16 = 2048;
+
+/// The width of a text in px, rounded up to an integer; 0 for empty text. Kerning, which brings letters closer
+/// together, is left out.
+pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+    let known = KNOWN_LETTERS.len();
+    let advance = |letter: char| {
+        let place = (u32::from(letter).checked_sub(KNOWN_LETTERS.start)? as usize).min(known);
+        let at = 2 * (place + if bold { known } else { 0 });
+        let bytes = ADVANCES.get(at..at + 2).filter(|_| place < known);
+        Some(bytes.map_or(UNITS_PER_EM, |bytes| u16::from_le_bytes([bytes[0], bytes[1]])))
+    };
+    let units: f64 = text.chars().filter_map(advance).map(f64::from).sum();
+    libm::ceil(units * size / f64::from(UNITS_PER_EM))
+}
+
+/// `text`, shortened with an ellipsis until it is at most `room` px wide.
+pub fn fitted_text(text: &str, size: f64, bold: bool, room: f64) -> String {
+    /// Number of characters that is more than fits across a picture, but few enough to try one by one.
+    const MAX_CHARACTERS: usize = 200;
+    let mut kept: String = text.chars().take(MAX_CHARACTERS).collect();
+    let mut shown = if kept.len() < text.len() { format!("{kept}…") } else { kept.clone() };
+    while text_width(&shown, size, bold) > room && kept.pop().is_some() {
+        shown = format!("{}…", kept.trim_end());
+    }
+    shown
+}
+
+/// `text` in lines of at most `room` px, broken at spaces. A longer word stays whole, and so do words with a no-break
+/// space between them.
+pub fn wrapped_text(text: &str, size: f64, bold: bool, room: f64) -> Vec<String> {
+    let mut lines: Vec<String> = vec![];
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(line)) if text_width(&longer, size, bold) <= room => *line = longer,
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_are_those_of_the_bundled_font() {
+        let [one, ten] = ["m", "mmmmmmmmmm"].map(|text| text_width(text, 100.0, false));
+        assert!((97.0..=98.0).contains(&one), "an em dash's worth: {one}");
+        assert!((970.0..=975.0).contains(&ten), "{ten}");
+        assert!(text_width("m", 100.0, true) > one);
+        assert_eq!(text_width("", 12.0, false), 0.0);
+    }
+
+    #[test]
+    fn the_font_has_the_signs_we_use() {
+        for sign in "″√Δ·ν°⁰¹²³⁴⁵⁶⁷⁸⁹⁻−τθσ∑Ω₀≤×…".chars() {
+            assert!(text_width(&sign.to_string(), 100.0, false) > 10.0, "no glyph for {sign}");
+        }
+    }
+
+    #[test]
+    fn text_is_broken_into_lines_that_have_room_and_lose_no_word() {
+        let text = "Taylor term of one tick at an extremum, as published";
+        let lines = wrapped_text(text, 13.0, false, 200.0);
+        assert!(
+            lines.len() > 1 && lines.iter().all(|line| text_width(line, 13.0, false) <= 200.0),
+            "{lines:?}"
+        );
+        assert_eq!(lines.join(" "), text);
+        assert_eq!(wrapped_text("one  two", 13.0, false, 1.0), ["one", "two"]);
+        assert_eq!(wrapped_text("10\u{a0}″ more", 13.0, false, 1.0), ["10\u{a0}″", "more"]);
+        assert!(wrapped_text("", 13.0, false, 200.0).is_empty());
+    }
+
+    #[test]
+    fn long_text_is_shortened_to_its_room() {
+        let shown = fitted_text(&"rather long ".repeat(100), 13.0, false, 200.0);
+        assert!(shown.ends_with('…') && text_width(&shown, 13.0, false) <= 200.0, "{shown}");
+        assert_eq!(fitted_text("short", 13.0, false, 200.0), "short");
+    }
 }

@@ -2,9 +2,9 @@
 
 use crate::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::chart::figure::{Figure, Grouping, Law, LawLine, Part, Series};
-use crate::chart::map::draw::{HATCH, hatching};
+use crate::chart::layout;
+use crate::chart::map::svg::{HATCH, hatching};
 use crate::chart::palette::{self, INK, MUTED};
-use crate::chart::text;
 
 const SIZE: f64 = 13.0;
 const ROW: f64 = 22.0;
@@ -108,7 +108,9 @@ impl Legend {
             self.rows.push(Row::Space);
         }
         self.rows.extend(
-            text::wrapped(heading.unwrap_or_default(), SIZE, true, WHOLE).into_iter().map(Row::Heading),
+            layout::wrapped_text(heading.unwrap_or_default(), SIZE, true, WHOLE)
+                .into_iter()
+                .map(Row::Heading),
         );
         self.rows.extend(rows);
     }
@@ -116,11 +118,11 @@ impl Legend {
     /// Its width, 0 if it is empty.
     pub fn width(&self) -> f64 {
         let of_row = |row: &Row| match row {
-            Row::Heading(text) => text::width(text, SIZE, true).min(WHOLE),
+            Row::Heading(text) => layout::text_width(text, SIZE, true).min(WHOLE),
             Row::Entry(_, text) | Row::Continued(text) => {
-                SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT)
+                SAMPLE + GAP + layout::text_width(text, SIZE, false).min(WIDEST_TEXT)
             }
-            Row::Remark(text) => text::width(text, SIZE, false).min(WHOLE),
+            Row::Remark(text) => layout::text_width(text, SIZE, false).min(WHOLE),
             Row::Space => 0.0,
         };
         self.rows.iter().map(of_row).fold(0.0, f64::max)
@@ -141,18 +143,18 @@ impl Legend {
             }
             match row {
                 Row::Heading(text) => {
-                    let text = text::fitted(text, SIZE, true, WHOLE);
+                    let text = layout::fitted_text(text, SIZE, true, WHOLE);
                     canvas.text((left, baseline), &text, Lettering { bold: true, ..lettering });
                 }
                 Row::Entry(_, text) | Row::Continued(text) => {
                     if let Row::Entry(sample, _) = row {
                         sample.draw(canvas, left, middle);
                     }
-                    let text = text::fitted(text, SIZE, false, WIDEST_TEXT);
+                    let text = layout::fitted_text(text, SIZE, false, WIDEST_TEXT);
                     canvas.text((left + SAMPLE + GAP, baseline), &text, lettering);
                 }
                 Row::Remark(text) => {
-                    let text = text::fitted(text, SIZE, false, WHOLE);
+                    let text = layout::fitted_text(text, SIZE, false, WHOLE);
                     canvas.text((left, baseline), &text, Lettering { colour: MUTED, ..lettering });
                 }
                 Row::Space => {}
@@ -214,14 +216,14 @@ pub fn part_stroke(index: usize, part: &Part) -> Stroke {
 
 /// An entry with its complete text, in as many lines as needed.
 pub fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
-    let mut lines = text::wrapped(text, SIZE, false, WIDEST_TEXT).into_iter();
+    let mut lines = layout::wrapped_text(text, SIZE, false, WIDEST_TEXT).into_iter();
     let first = Row::Entry(sample, lines.next().unwrap_or_default());
     std::iter::once(first).chain(lines.map(Row::Continued)).collect()
 }
 
 /// A remark with its complete text, in as many lines as needed.
 pub fn remark(text: &str) -> Vec<Row> {
-    text::wrapped(text, SIZE, false, WHOLE).into_iter().map(Row::Remark).collect()
+    layout::wrapped_text(text, SIZE, false, WHOLE).into_iter().map(Row::Remark).collect()
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {

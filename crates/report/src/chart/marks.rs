@@ -2,10 +2,9 @@
 
 use crate::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::chart::figure::{Mark, Shape};
-use crate::chart::layout::Frame;
+use crate::chart::layout::{self, Frame};
 use crate::chart::palette::{INK, MUTED};
 use crate::chart::plot::{Plot, shown_points};
-use crate::chart::text;
 
 const SIZE: f64 = 13.0;
 const RADIUS: f64 = 5.0;
@@ -70,7 +69,7 @@ impl Plot<'_> {
                 }
             }
             for (mark, place) in marks.iter().filter(|(mark, _)| !mark.label.is_empty()) {
-                let width = text::width(&mark.label, SIZE, true);
+                let width = layout::text_width(&mark.label, SIZE, true);
                 let room = |&(across, down, anchor): &(f64, f64, &'static str)| {
                     let (x, y) = (place.0 + across, place.1 + down);
                     let from = match anchor {

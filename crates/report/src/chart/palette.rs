@@ -1,8 +1,10 @@
-//! The styles that distinguish curves.
+//! The styles that distinguish curves, and those of names that look the same in every chart.
 
 use serde::Serialize;
 
+use crate::chart::figure::Entry;
 use crate::chart::plot::{MARKED, MAX_MARKED};
+use sagnac_base::table::{Cell, Column};
 
 /// Colours that colour-blind readers can distinguish, the first three also by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
@@ -39,19 +41,19 @@ const MARKERS: [&[(f64, f64)]; 6] = [
 ];
 
 /// Text and axes.
-pub const INK: &str = "#222222";
+pub(crate) const INK: &str = "#222222";
 /// Secondary text.
-pub const MUTED: &str = "#5c5c5c";
+pub(crate) const MUTED: &str = "#5c5c5c";
 /// Secondary items in the background.
-pub const PALE_MUTED: &str = "#c1c1c1";
+pub(crate) const PALE_MUTED: &str = "#c1c1c1";
 /// Grid lines at the labelled ticks, and between them.
-pub const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
+pub(crate) const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
 /// The limit line.
-pub const LIMIT: &str = "#b3001b";
+pub(crate) const LIMIT: &str = "#b3001b";
 
 /// The styles that pages need to draw like pictures.
 #[derive(Debug, Serialize)]
-pub struct Looks {
+pub(crate) struct Looks {
     dashes: &'static [&'static str],
     thin_dashes: &'static [&'static str],
     broad_dashes: &'static [&'static str],
@@ -86,43 +88,43 @@ impl Looks {
 }
 
 /// A style sheet with the colours of styles on light and on dark backgrounds, for the classes `c0` and so on.
-pub fn style_sheet() -> String {
+pub(crate) fn style_sheet() -> String {
     let colours = COLOURS.iter().zip(ON_DARK).enumerate();
     colours.map(|(style, (light, dark))| format!(".c{style}{{--c:light-dark({light},{dark})}}\n")).collect()
 }
 
 /// The colour of a style; they repeat.
-pub fn colour(style: usize) -> &'static str {
+pub(crate) fn colour(style: usize) -> &'static str {
     COLOURS[style % COLOURS.len()]
 }
 
 /// The colour of a style for a whole area.
-pub fn area_colour(style: usize) -> &'static str {
+pub(crate) fn area_colour(style: usize) -> &'static str {
     TINTS[0][style % COLOURS.len()]
 }
 
 /// The colour of a style in the background.
-pub fn pale(style: usize) -> &'static str {
+pub(crate) fn pale(style: usize) -> &'static str {
     TINTS[1][style % COLOURS.len()]
 }
 
 /// The dash pattern of a style; they repeat.
-pub fn dash(style: usize) -> &'static str {
+pub(crate) fn dash(style: usize) -> &'static str {
     DASHES[style % DASHES.len()]
 }
 
 /// The dash pattern of a broad line; they repeat.
-pub fn broad_dash(style: usize) -> &'static str {
+pub(crate) fn broad_dash(style: usize) -> &'static str {
     BROAD_DASHES[style % BROAD_DASHES.len()]
 }
 
 /// The dash pattern of a thin line; they repeat.
-pub fn thin_dash(style: usize) -> &'static str {
+pub(crate) fn thin_dash(style: usize) -> &'static str {
     THIN_DASHES[style % THIN_DASHES.len()]
 }
 
 /// The corners of a style's marker; they repeat.
-pub fn marker(style: usize) -> &'static [(f64, f64)] {
+pub(crate) fn marker(style: usize) -> &'static [(f64, f64)] {
     MARKERS[style % MARKERS.len()]
 }
 
@@ -139,7 +141,7 @@ const DIVERGING: [u32; 9] =
 
 /// The colours of the values of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shades {
+pub(crate) enum Shades {
     /// From the least value to the greatest.
     Rising,
     /// From far within a limit to far beyond it; the limit itself is nearly white.
@@ -162,6 +164,45 @@ impl Shades {
         };
         format!("#{:02x}{:02x}{:02x}", mix(1), mix(2), mix(3))
     }
+}
+
+/// The styles of the values of a column. Of a column with fixed names, these have the first styles, and every other name has one that
+/// follows from the name; names of one column that would share a colour take the next that is free, as long as there is one.
+pub fn styles(column: Option<&Column>, entries: &[Entry]) -> Vec<usize> {
+    let Some(column) = column.filter(|column| !column.styled.is_empty()) else {
+        return (0..entries.len()).collect();
+    };
+    // Of the whole column, so that all charts of a table agree.
+    let mut names: Vec<String> =
+        column.cells.iter().filter(|cell| **cell != Cell::Blank).map(Cell::text).collect();
+    names.sort_unstable();
+    names.dedup();
+    let styles = of_names(column.styled, &names);
+    let style =
+        |entry: &Entry| names.iter().position(|name| *name == entry.name).map_or(0, |place| styles[place]);
+    entries.iter().map(style).collect()
+}
+
+/// The styles of names in alphabetical order, of which the `fixed` ones have the first.
+pub fn of_names(fixed: &[&str], names: &[String]) -> Vec<usize> {
+    let others = COLOURS.len() - fixed.len();
+    let mut taken: Vec<usize> = Vec::new();
+    let mut free = |name: &String| {
+        // Once all colours are taken they repeat, with other dashes and markers.
+        let round = taken.len() / others;
+        let style = |step: usize| round * COLOURS.len() + fixed.len() + (hash(name) + step) % others;
+        let style = (0..others).map(style).find(|style| !taken.contains(style)).unwrap_or_default();
+        taken.push(style);
+        style
+    };
+    let style = |name: &String| fixed.iter().position(|known| known == name).unwrap_or_else(|| free(name));
+    names.iter().map(style).collect()
+}
+
+/// FNV-1a in 32 bits, which gives short names different numbers.
+fn hash(name: &str) -> usize {
+    name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+        as usize
 }
 
 #[cfg(test)]
@@ -221,5 +262,29 @@ mod tests {
             let far = 0.5 - f64::from(step) / 40.0;
             assert!(at(0.5 - far) < at(0.5) && (at(0.5 - far) - at(0.5 + far)).abs() < 6.0, "{far}");
         }
+    }
+
+    fn of(names: &[&str]) -> Vec<usize> {
+        of_names(&["const", "linear"], &names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_name_has_its_style_whatever_stands_beside_it() {
+        let [alone, beside] = [of(&["mv8+2"]), of(&["const", "linear", "mv8+2"])];
+        assert_eq!((beside[0], beside[1], beside[2]), (0, 1, alone[0]));
+        assert!((2..8).contains(&alone[0]), "{alone:?}");
+    }
+
+    #[test]
+    fn names_of_one_column_have_different_colours_while_there_are_any() {
+        let names: Vec<String> = (10..22).map(|k| format!("own {k}")).collect();
+        let styles = of(&names.iter().map(String::as_str).collect::<Vec<_>>());
+        let mut first = styles[..6].to_vec();
+        first.sort_unstable();
+        assert_eq!(first, [2, 3, 4, 5, 6, 7]);
+        let mut all = styles.clone();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 12, "{styles:?}");
     }
 }

@@ -235,7 +235,7 @@ impl OutlineBuilder for Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::text;
+    use crate::chart::layout;
 
     #[test]
     fn a_png_has_the_scaled_size_and_shows_its_text() {
@@ -268,16 +268,17 @@ mod tests {
     #[test]
     fn the_widths_that_pictures_are_laid_out_by_are_those_of_the_font() {
         let advances = |face: &Face| -> Vec<u8> {
-            let glyphs = text::KNOWN.map(|letter| char::from_u32(letter).and_then(|l| face.glyph_index(l)));
+            let glyphs =
+                layout::KNOWN_LETTERS.map(|letter| char::from_u32(letter).and_then(|l| face.glyph_index(l)));
             let advance = |glyph: Option<GlyphId>| face.glyph_hor_advance(glyph.unwrap_or(GlyphId(0)));
             glyphs.flat_map(|glyph| advance(glyph).unwrap_or(0).to_le_bytes()).collect()
         };
         let found: Vec<u8> = FACES.iter().flatten().flat_map(advances).collect();
-        if found != text::ADVANCES {
+        if found != layout::ADVANCES {
             let new = concat!(env!("CARGO_MANIFEST_DIR"), "/fonts/advances.new");
             std::fs::write(new, &found).unwrap();
             panic!("fonts/advances is not of these fonts; rename {new}");
         }
-        assert!(FACES.iter().flatten().all(|face| face.units_per_em() == text::UNITS_PER_EM));
+        assert!(FACES.iter().flatten().all(|face| face.units_per_em() == layout::UNITS_PER_EM));
     }
 }

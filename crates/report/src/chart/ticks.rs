@@ -4,8 +4,7 @@
 
 use serde::Serialize;
 
-use crate::chart::scale::Range;
-use crate::chart::scale::Scale;
+use crate::chart::axis::{Range, Scale};
 
 /// The ticks of one axis.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

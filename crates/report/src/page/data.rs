@@ -1,6 +1,6 @@
 //! The data of a page for its script, as compressed JSON.
 
-use crate::chart::scale::edges as cell_edges;
+use crate::chart::axis::{Range, Scale, edges as cell_edges};
 use std::borrow::Cow;
 use std::io::{self, Write};
 
@@ -13,14 +13,10 @@ use serde_json::ser::Formatter;
 use serde_json::value::RawValue;
 
 use crate::chart::figure::{Axis, Figure};
-use crate::chart::map::Estimate;
-use crate::chart::map::words::Words;
+use crate::chart::map::{Estimate, Words};
 use crate::chart::palette::Looks;
-use crate::chart::picture::Drawn;
-use crate::chart::picture::Picture;
-use crate::chart::scale::Range;
-use crate::chart::scale::Scale;
 use crate::chart::ticks::{Ladder, superscript};
+use crate::chart::{Drawn, Picture};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::{Cell, Column, Role, Table, titled};
 
@@ -65,7 +61,7 @@ pub struct Listed<'t> {
 }
 
 /// Rows that a table shows at first, also on paper and without scripts.
-pub const FIRST_ROWS: usize = 25;
+const FIRST_ROWS: usize = 25;
 
 #[derive(Serialize)]
 struct Listing<'t> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use crate::answer::Answer;
-use crate::page::sections::Page;
+use crate::page::Page;
 use sagnac_base::table::Table;
 
 /// Version of the form of documents.

@@ -4,9 +4,11 @@
 //! a^n)]/(1 − a)². Differences are written without the powers of x that cancel in them; for the sampled noise they are
 //! those of the continuous noise plus a term in sinh x − x. All lengths are in samples, all variances for σ = 1 and t0
 //! = 1.
+//!
+//! Besides, the exponentials without their leading powers, accurate to rounding even for small arguments, and the exact [`Step`]
+//! of a random walk and of a Markov state of the rate, with the angle that they accumulate.
 
-use crate::allan::estimator::Difference;
-use crate::allan::exponential::{beyond_square, sinh_beyond_linear};
+use crate::allan::Difference;
 
 /// Product of lag and decay rate below which forms without the leading powers are used.
 const SHORT: f64 = 0.5;
@@ -70,6 +72,71 @@ pub fn kernel(x: f64, m: f64, n: f64) -> f64 {
     -(linear + a * exponential) / (less * less)
 }
 
+/// Argument below which the series is summed, because e^{−z} minus its powers would lose digits.
+const SERIES_BELOW: f64 = 0.5;
+
+/// e^{−z} − 1 + z − z²/2, which is −z³/6 and so on.
+pub(crate) fn beyond_square(z: f64) -> f64 {
+    if z.abs() >= SERIES_BELOW {
+        return libm::exp(-z) - 1.0 + z - 0.5 * z * z;
+    }
+    // Summed from the last term inwards; 0.5^17/17! is below rounding.
+    let inner = (4..18).rev().fold(1.0, |sum, k| 1.0 - z / f64::from(k) * sum);
+    -z * z * z / 6.0 * inner
+}
+
+/// e^{−z} − 1 + z for z ≥ 0, the deficit of a decay relative to its initial slope.
+pub fn settling(z: f64) -> f64 {
+    beyond_square(z) + 0.5 * z * z
+}
+
+/// e^{−x}(sinh x − x), x ≥ 0.
+fn sinh_beyond_linear(x: f64) -> f64 {
+    if x >= SERIES_BELOW {
+        return -0.5 * libm::expm1(-2.0 * x) - x * libm::exp(-x);
+    }
+    let inner =
+        [110.0, 72.0, 42.0, 20.0].into_iter().fold(1.0 + x * x / 156.0, |sum, k| 1.0 + x * x / k * sum);
+    libm::exp(-x) * x * x * x / 6.0 * inner
+}
+
+/// Mean of e^{−x·s·k} over k = 0 … `terms` − 1, for the step s and x ≥ 0.
+pub fn mean_of_decay(x: f64, step: f64, terms: u64) -> f64 {
+    let count = terms as f64;
+    match x * step == 0.0 {
+        true => 1.0,
+        false => libm::expm1(-x * step * count) / (count * libm::expm1(-x * step)),
+    }
+}
+
+/// A state of the rate over a step Δ beside the angle: F = [1 `onto_angle`; 0 `own`], and what Q adds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The angle that a state of one accumulates over the step.
+    pub onto_angle: f64,
+    /// The part of the state that remains after the step.
+    pub own: f64,
+    /// Variance that the step adds to the angle, covariance of both, and variance that it adds to the state.
+    pub added: [f64; 3],
+}
+
+impl Step {
+    /// A random walk of the rate with the square K² of its coefficient.
+    pub fn walk(k: f64, d: f64) -> Step {
+        Step { onto_angle: d, own: 1.0, added: [k * d * d * d / 3.0, k * d * d / 2.0, k * d] }
+    }
+
+    /// A Markov state with a variance and a correlation time.
+    pub fn markov(variance: f64, t: f64, d: f64) -> Step {
+        let z = d / t;
+        let (a, less) = (libm::exp(-z), -libm::expm1(-z));
+        // z − 2(1 − a) + (1 − a²)/2, whose powers up to z² cancel.
+        let bracket = 2.0 * beyond_square(z) - 0.5 * beyond_square(2.0 * z);
+        let added = [2.0 * t * t * bracket, t * less * less, -libm::expm1(-2.0 * z)];
+        Step { onto_angle: t * less, own: a, added: added.map(|part| variance * part) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,5 +184,23 @@ mod tests {
             assert_eq!(mean_square(Difference::Second, 800.0, m), 2.0 * m);
             assert_eq!(mean_square(Difference::Third, 800.0, m), 6.0 * m);
         }
+    }
+
+    #[test]
+    fn series_and_direct_forms_meet() {
+        for z in [SERIES_BELOW, 0.4999] {
+            let direct = libm::exp(-z) - 1.0 + z - 0.5 * z * z;
+            let found = beyond_square(z);
+            assert!((found / direct - 1.0).abs() < 2e-14, "{z}: {found}, not {direct}");
+            let direct = libm::exp(-z) * (libm::sinh(z) - z);
+            let found = sinh_beyond_linear(z);
+            assert!((found / direct - 1.0).abs() < 2e-14, "{z}: {found}, not {direct}");
+        }
+        // Leading terms: −z³/6 + z⁴/24, and (1 − x)·x³/6.
+        assert!((beyond_square(1e-6) / (-1e-18 / 6.0 * (1.0 - 0.25e-6)) - 1.0).abs() < 1e-12);
+        assert!((sinh_beyond_linear(1e-6) / (1e-18 / 6.0 * (1.0 - 1e-6)) - 1.0).abs() < 1e-11);
+        assert_eq!(mean_of_decay(0.0, 3.0, 10), 1.0);
+        let sum: f64 = (0..10).map(|k| libm::exp(-0.6 * f64::from(k))).sum();
+        assert!((mean_of_decay(0.2, 3.0, 10) - sum / 10.0).abs() < 1e-15);
     }
 }

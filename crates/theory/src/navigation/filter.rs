@@ -10,8 +10,8 @@
 //! (de Jong, *Annals of Statistics* 19, 1991): with ν(u) the innovations that this filter has for a bias of one, ν(z) those
 //! for the readings and S their variances, it is Σ ν(u) ν(z)/S over Σ ν(u)²/S, which is the inverse of its variance.
 
-use crate::allan::steps::Step;
-use crate::navigation::weights::Times;
+use crate::allan::markov::Step;
+use crate::navigation::Times;
 
 /// The noise model of a filter, in ″ and s.
 #[derive(Debug, Clone, Default, PartialEq)]

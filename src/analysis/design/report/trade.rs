@@ -10,7 +10,7 @@ use sagnac_engine::key::sweep::Scale;
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
 use sagnac_engine::kinds::plan::table as table_of;
 use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
-use sagnac_report::chart::styles::of_names;
+use sagnac_report::chart::palette::of_names;
 
 /// A filler at its best interval: a row of `pareto.csv` and `fillers.csv`.
 pub(crate) struct Row<'a> {

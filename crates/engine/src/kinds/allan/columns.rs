@@ -10,18 +10,17 @@ use crate::kinds::allan::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap, Point
 use crate::kinds::plan::Values;
 use crate::noise::{self, Noise};
 use crate::tally::{NORMAL_95, z_score};
+use sagnac_base::diagnostics::{Fault, choices};
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, choices};
 use sagnac_base::table::column::Band;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit, Usual};
 use sagnac_kernel::rows::Rows;
-use sagnac_records::allan::tau::Taus;
-use sagnac_records::allan::unit::Unit as Angles;
-use sagnac_records::fit::choose::Terms;
-use sagnac_records::fit::quantity::Quantity;
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac_records::allan::deviation::{Taus, Unit as Angles};
+use sagnac_records::fit::Quantity;
+use sagnac_records::fit::selection::Terms;
 use sagnac_theory::allan::terms::Term;
+use sagnac_theory::allan::{Difference, Estimator, Stride};
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {

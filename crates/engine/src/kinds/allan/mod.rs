@@ -18,17 +18,16 @@ use crate::noise::{
 };
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::column::abouts;
 use sagnac_kernel::allan::VERSION;
-use sagnac_records::allan::deviation::Deviation;
-use sagnac_records::allan::tau::{TauError, Taus};
-use sagnac_records::fit::choose::Terms;
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac_records::allan::deviation::{Deviation, TauError, Taus};
+use sagnac_records::fit::selection::Terms;
 use sagnac_theory::allan::terms::Term;
+use sagnac_theory::allan::{Difference, Estimator, Stride};
 
 /// The part of a study that is specific to Allan curves.
 #[derive(Debug, Clone)]

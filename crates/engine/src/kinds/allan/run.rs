@@ -19,20 +19,15 @@ use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::study::Study;
 use crate::tally::{Id, Share};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::source::diagnose::StudyError;
-use sagnac_records::allan::unit::Unit;
-use sagnac_records::fit::choose::Terms;
-use sagnac_records::fit::coefficient::{Fit, Verdict};
-use sagnac_records::fit::covariance::Covariance;
-use sagnac_records::fit::curve::Curve;
-use sagnac_records::fit::fitter::{Errors, Fitter};
-use sagnac_records::fit::quantity::Quantity;
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
-use sagnac_theory::allan::part::Part;
-use sagnac_theory::allan::process::Process;
+use sagnac_records::allan::deviation::Unit;
+use sagnac_records::fit::curve::{Covariance, Curve};
+use sagnac_records::fit::selection::Terms;
+use sagnac_records::fit::{Errors, Fit, Fitter, Quantity, Verdict};
 use sagnac_theory::allan::terms::Term;
+use sagnac_theory::allan::{Difference, Estimator, Part, Process, Stride};
 
 /// Inverse of the longest averaging time of the fit relative to the record; beyond it, intervals of K come out too
 /// short.

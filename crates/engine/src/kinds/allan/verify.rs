@@ -5,11 +5,8 @@ use std::sync::Arc;
 use crate::device::{Work, Workload};
 use crate::key::Unrepresentable;
 use crate::kinds::allan::lower::{Asked, Records};
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
-use sagnac_theory::allan::part::Part;
-use sagnac_theory::allan::process::Process;
-use sagnac_theory::allan::switching::Switching;
-use sagnac_theory::drift::magnetic::Magnetic;
+use sagnac_theory::allan::{Difference, Estimator, Part, Process, Stride};
+use sagnac_theory::drift::{Magnetic, Switching};
 
 /// Rate of the turning Earth, ″/s.
 const EARTH_RATE: f64 = 15.041;

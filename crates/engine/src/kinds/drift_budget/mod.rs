@@ -11,15 +11,13 @@ use crate::key::{Key, ParseContext};
 use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, Study, Subject};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::quantity::Dimension;
 use sagnac_base::table::column::abouts;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit, Usual};
-use sagnac_theory::drift::approximation::limit_as_published;
-use sagnac_theory::drift::budget::{Bound, Budget, Optimum};
-use sagnac_theory::drift::magnetic::{Magnetic, switches};
-use sagnac_theory::drift::spread::{Ending, Spread};
+use sagnac_theory::drift::budget::{Bound, Budget, Optimum, limit_as_published};
+use sagnac_theory::drift::{Ending, Magnetic, Spread, switches};
 
 /// The part of a study that is specific to the drift budget.
 #[derive(Debug, Clone)]

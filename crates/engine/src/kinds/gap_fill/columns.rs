@@ -25,10 +25,9 @@ use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::abouts;
 use sagnac_base::table::{About, ColumnOf, Role, Unit, Usual};
 use sagnac_kernel::gap_fill::shape::MARGIN;
-use sagnac_theory::level::of_sine;
-use sagnac_theory::minimum_variance::Band;
+use sagnac_theory::minimum_variance::{Band, TickRows, sides};
 use sagnac_theory::quadrature::Rule;
-use sagnac_theory::rows::{TickRows, sides};
+use sagnac_theory::quantile::of_sine;
 
 /// Meaning of the column of fillers, here and in other files.
 pub const FILLER: &str = "Name of the gap filler, as in `switching.fillers`.";
@@ -584,7 +583,7 @@ mod tests {
     use crate::study::Study;
     use sagnac_records::record::Record;
     use sagnac_theory::gap::{polynomial_weights, sine_response, tick_amplitude};
-    use sagnac_theory::rows::dot;
+    use sagnac_theory::minimum_variance::dot;
 
     fn notes(amplitude: &str, motion: &str, sweep: &str) -> Vec<String> {
         let text = format!(

@@ -13,13 +13,12 @@ use crate::kinds::TICK;
 use crate::motion::keys::Design;
 use crate::motion::{self, Frequency, Gaussian, Motion, Profile, Tone};
 use crate::noise::{self, NOISE, Noise};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, round_12};
-use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::quantity::{Dimension, round_12};
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
 use sagnac_theory::allan::terms::Term;
-use sagnac_theory::minimum_variance::Band;
-use sagnac_theory::rows::sides;
+use sagnac_theory::minimum_variance::{Band, sides};
 
 /// The inputs on which the motion, the noise and the gap of one point depend. Every number has 12 significant digits.
 #[derive(Debug, Clone, PartialEq)]

@@ -23,13 +23,13 @@ use crate::motion::{self, Motion, Profile};
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use crate::{kinds, noise};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::quantity::Dimension;
 use sagnac_base::table::column::abouts;
 use sagnac_kernel::gap_fill::VERSION;
 use sagnac_kernel::gap_fill::shape::MAX_SIDE;
-use sagnac_theory::published::{
+use sagnac_theory::gap::{
     noise_of_const, noise_of_const_as_published, taylor_extremum_as_published,
     taylor_zero_crossing_as_published,
 };

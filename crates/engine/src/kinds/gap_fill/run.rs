@@ -16,12 +16,12 @@ use crate::store::error::StoreError;
 use crate::store::{Address, Held, Store};
 use crate::study::Study;
 use crate::tally::{Block, Estimates, Id, NORMAL_95, row_log2};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::source::diagnose::StudyError;
 use sagnac_base::table::Table;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::moments::{MAX_ESTIMATES, Moments};
-use sagnac_theory::rows::sides;
+use sagnac_theory::minimum_variance::sides;
 
 /// The plan of a gap-fill study.
 pub(crate) type Plan<'a> = PointsPlan<'a, GapFill, Proven<'a>>;

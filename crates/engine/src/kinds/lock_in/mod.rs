@@ -18,16 +18,15 @@ use crate::kinds::lock_in::run::{Plan, columns};
 use crate::motion::Motion;
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, Wrong};
 use sagnac_base::table::column::abouts;
 use sagnac_kernel::lock_in::VERSION;
-use sagnac_records::allan::deviation::Deviation;
-use sagnac_records::allan::tau::{TauError, Taus};
-use sagnac_records::fit::choose::Terms;
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac_records::allan::deviation::{Deviation, TauError, Taus};
+use sagnac_records::fit::selection::Terms;
+use sagnac_theory::allan::{Difference, Estimator, Stride};
 use sagnac_theory::lock_in::LockIn;
 
 /// The part of a study that is specific to lock-in.

@@ -7,7 +7,7 @@ use crate::key::Streams;
 use crate::kinds::lock_in::lower::Gyros;
 use crate::kinds::lock_in::{Dither, Inputs, Point, Readout, Times};
 use crate::motion::{Motion, Tone};
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac_theory::allan::{Difference, Estimator, Stride};
 
 const THINNED: Estimator = Estimator { difference: Difference::Second, stride: Stride::Part(64) };
 

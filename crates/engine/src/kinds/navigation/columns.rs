@@ -7,7 +7,7 @@ use crate::kinds::navigation::run::{Claim, Level, Sizes};
 use sagnac_base::quantity::expression::NAUTICAL_MILE;
 use sagnac_base::table::column::{Band, abouts};
 use sagnac_base::table::{About, Cell, ColumnOf, Role, Unit, Usual};
-use sagnac_theory::navigation::equations::ARCSEC;
+use sagnac_theory::navigation::ARCSEC;
 
 /// A quantity of which the size is estimated: an error in one direction, or in two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

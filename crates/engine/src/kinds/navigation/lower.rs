@@ -35,14 +35,11 @@ use sagnac_kernel::navigation::{self, INCREMENT_BITS, WEIGHT_BITS};
 use sagnac_kernel::philox::{philox, schedule};
 use sagnac_kernel::recipe::Recipe;
 use sagnac_kernel::word::Scalar;
-use sagnac_theory::allan::estimator::Estimator;
-use sagnac_theory::allan::holds;
-use sagnac_theory::allan::part::FLAT_LEVEL;
 use sagnac_theory::allan::terms::Term;
-use sagnac_theory::drift::magnetic::Magnetic;
-use sagnac_theory::navigation::covariance::{self, of_angles};
-use sagnac_theory::navigation::radial::Radial;
-use sagnac_theory::navigation::{Error, Gyro, Weights};
+use sagnac_theory::allan::{Estimator, FLAT_LEVEL, flicker};
+use sagnac_theory::drift::Magnetic;
+use sagnac_theory::navigation::{self as closed, Error, Gyro, Weights, of_angles};
+use sagnac_theory::quantile::Radial;
 
 /// Roundings of the angle of a sample by less than one LSB each: angle, sine, quantization noise, drift, fill residuals.
 const ROUNDINGS: f64 = 5.0;
@@ -70,7 +67,7 @@ pub struct LoweredGyro {
     /// Size of a unit of each sum: ″ for angles, m/s and m.
     pub units: Vec<f64>,
     /// The random parts as given by the words, in LSB and samples.
-    pub(crate) noise: sagnac_theory::navigation::covariance::Noise,
+    pub(crate) noise: closed::Noise,
     /// Bounds of their deviation from those of the inputs.
     pub(crate) deviation: Deviation,
     /// The weights as whole numbers, by errors.
@@ -256,11 +253,11 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Unrepresentabl
 }
 
 /// The random parts of the lowered words, in LSB and samples.
-fn sampled_noise(fixed: &Fixed) -> covariance::Noise {
+fn sampled_noise(fixed: &Fixed) -> closed::Noise {
     let noise = fixed.noise();
     // Every angle is rounded down to whole LSB.
     let rounded = if fixed.has_angle() { 1.0 / 12.0 } else { 0.0 };
-    covariance::Noise {
+    closed::Noise {
         errors: libm::sqrt(noise.quantization * noise.quantization + rounded),
         white: noise.white,
         octaves: noise.octaves,
@@ -327,7 +324,7 @@ pub(crate) struct PhysicalTheory {
 
 /// The noise of a set of coefficients, in ″ and samples.
 struct Set {
-    random: covariance::Noise,
+    random: closed::Noise,
     /// The increments that all records share.
     shared: Vec<f64>,
 }
@@ -362,14 +359,14 @@ impl PhysicalTheory {
 }
 
 /// The random parts.
-fn random(noise: &Noise, t0: f64, samples: u64) -> covariance::Noise {
+fn random(noise: &Noise, t0: f64, samples: u64) -> closed::Noise {
     let root = libm::sqrt(t0);
     let [b, _] = noise.of(Term::BiasInstability);
-    let variances = holds::octaves(samples).and_then(holds::variances).filter(|_| b != 0.0);
+    let variances = flicker::octaves(samples).and_then(flicker::variances).filter(|_| b != 0.0);
     let octave = |v: f64| b * t0 * libm::sqrt(FLAT_LEVEL * v);
     let shaped = |term: Term| Some(noise.of(term)).filter(|[size, _]| *size != 0.0);
     let switching = noise.switched(t0);
-    covariance::Noise {
+    closed::Noise {
         errors: noise.of(Term::Quantization)[0],
         white: noise.of(Term::AngleRandomWalk)[0] * root,
         octaves: variances.into_iter().flatten().map(octave).collect(),
@@ -415,7 +412,7 @@ const SUM_ERROR: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Deviation {
     /// The parts by which variances may be off.
-    noise: covariance::Noise,
+    noise: closed::Noise,
     /// Decays of Markov noise whose loss has half a unit less and more than the word.
     decays: Option<[f64; 2]>,
     /// Deviation of the amplitude of a sine, and of its turns per sample.
@@ -430,7 +427,7 @@ impl Deviation {
         let rounded = if fixed.has_angle() { 1.0 / 12.0 } else { 0.0 };
         let jumps = fixed.jumps();
         Deviation {
-            noise: covariance::Noise {
+            noise: closed::Noise {
                 errors: libm::sqrt(off.quantization * off.quantization + rounded),
                 white: off.white,
                 octaves: off.octaves,
@@ -462,7 +459,7 @@ impl LoweredGyro {
         let mut variance = noise.covariance(weights, weights);
         if let Some(([sigma, decay], decays)) = self.noise.markov.zip(*decays) {
             let alone = |decay: f64| {
-                covariance::Noise { markov: Some([sigma, decay]), ..covariance::Noise::default() }
+                closed::Noise { markov: Some([sigma, decay]), ..closed::Noise::default() }
                     .covariance(weights, weights)
             };
             let own = alone(decay);
@@ -473,7 +470,7 @@ impl LoweredGyro {
         // Each weight is off by up to half a unit.
         let mut rms = 0.5 * self.units[error] * self.increments(weights.len());
         if let Some([amplitude, turns]) = self.noise.sine {
-            let one = covariance::Noise { sine: Some([1.0, turns]), ..covariance::Noise::default() }
+            let one = closed::Noise { sine: Some([1.0, turns]), ..closed::Noise::default() }
                 .covariance(weights, weights);
             let turned =
                 angles.iter().enumerate().map(|(k, weight)| k as f64 * libm::fabs(*weight)).sum::<f64>();
@@ -488,7 +485,7 @@ impl LoweredGyro {
 
     /// Bound of the sum of the rms of all increments of the angle, LSB.
     fn increments(&self, samples: usize) -> f64 {
-        let covariance::Noise { errors, white, octaves, walk, markov, sine, jumps } = &self.noise;
+        let closed::Noise { errors, white, octaves, walk, markov, sine, jumps } = &self.noise;
         let square = 2.0 * errors * errors
             + white * white
             + octaves.iter().map(|sigma| sigma * sigma).sum::<f64>()

@@ -19,10 +19,10 @@ use crate::noise::{self, FILE, WrittenNoise, coefficient_values, swept_files, va
 pub use crate::noise::{Noise, Switching};
 use crate::sampling::Planned;
 use crate::study::{Ablation, Kind, Part, Study, Subject};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, Quantity};
-use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::column::abouts;
 use sagnac_kernel::navigation::VERSION;
 use sagnac_theory::allan::terms::Term;

@@ -13,13 +13,12 @@ use crate::key::sweep::{self, Sweep, Swept, selected};
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::{FILTER, Lack, SETTINGS, Solution};
 use crate::noise::{FILE, Noise, SETTINGS as NOISE_SETTINGS};
+use sagnac_base::diagnostics::{Fault, Text, Wrong};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::source::diagnose::{Fault, Text, Wrong};
-use sagnac_base::source::text_file::{Files, MAX_TOML};
+use sagnac_base::text_file::{Files, MAX_TOML};
 use sagnac_theory::allan::terms::Term;
-use sagnac_theory::navigation::equations::{ARCSEC, EARTH_RATE, Leg};
 use sagnac_theory::navigation::filter::{Model, filtered};
-use sagnac_theory::navigation::weights::{Gyro, MAX_SAMPLE, Task, Times, Weights, weights};
+use sagnac_theory::navigation::{ARCSEC, EARTH_RATE, Gyro, Leg, MAX_SAMPLE, Task, Times, Weights, weights};
 
 /// Samples that a record has at least where the study gives no sampling time.
 const USUAL_SAMPLES: f64 = 2000.0;

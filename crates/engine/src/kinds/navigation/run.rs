@@ -16,12 +16,12 @@ use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::study::Study;
 use crate::tally::{Id, NORMAL_95, Share, central_interval, proportion_interval, z_score};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
-use sagnac_base::source::diagnose::StudyError;
 use sagnac_base::table::column::Band;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::rows::Rows;
-use sagnac_theory::navigation::radial::{Radial, quantile};
+use sagnac_theory::quantile::{Radial, of_radial_error};
 
 /// A study of navigation whose points are all proven to fit.
 #[derive(Debug)]
@@ -233,7 +233,7 @@ impl sampling::Plan for Plan<'_> {
             format!(
                 "the errors contain the uncertainty of {}: {} sets of values are drawn from their distributions, each for an \
                  equal part of the trials",
-                sagnac_base::quantity::list::listed(&names),
+                sagnac_base::diagnostics::listed(&names),
                 self.navigation.draws
             )
         });
@@ -326,8 +326,8 @@ impl Sizes {
         let squares: f64 = distributions.iter().map(Radial::mean_square).sum();
         Sizes {
             closed_rms: libm::sqrt(squares / distributions.len() as f64),
-            closed_half: quantile(distributions, MEDIAN),
-            closed_most: quantile(distributions, P95),
+            closed_half: of_radial_error(distributions, MEDIAN),
+            closed_most: of_radial_error(distributions, P95),
             rounding,
             ..Sizes::default()
         }

@@ -18,17 +18,18 @@ use crate::store::error::StoreError;
 use crate::store::{Address, Store};
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use crate::tally::Id;
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, Wrong};
 use sagnac_base::table::column::abouts;
 use sagnac_base::table::{About, Cell, ColumnOf, Role, Unit, Usual};
 use sagnac_kernel::moments::MAX_ESTIMATES;
 use sagnac_kernel::normal::REACH;
 use sagnac_kernel::relock_ticks::{MAX_TICKS, VERSION};
-use sagnac_theory::published::{RELOCK_TABLES, RELOCK_TICK_S, RelockRow};
-use sagnac_theory::relock::{Relock as RelockTheory, detuning_signal};
+use sagnac_theory::relock::{
+    RELOCK_TABLES, RELOCK_TICK_S, Relock as RelockTheory, RelockRow, detuning_signal,
+};
 
 /// The part of a study that is specific to relocking.
 #[derive(Debug, Clone)]

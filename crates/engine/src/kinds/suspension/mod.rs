@@ -9,12 +9,12 @@ use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use crate::sampling::Planned;
 use crate::study::{Kind, Study, Subject};
+use sagnac_base::diagnostics::Wrong;
 use sagnac_base::progress::Progress;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::Wrong;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::table::column::abouts;
 use sagnac_base::table::{ColumnOf, Role, Unit, Usual};
-use sagnac_theory::suspension::{Response, Suspension};
+use sagnac_theory::vibration::{Response, Suspension};
 
 /// The part of a study that is specific to a suspension.
 #[derive(Debug, Clone)]

@@ -23,10 +23,10 @@ use crate::motion::keys::MOTION;
 use crate::noise::NOISE;
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, Wrong};
 use sagnac_base::table::column::abouts;
 use sagnac_kernel::switched_run::VERSION;
 

@@ -6,11 +6,11 @@ use crate::key::sweep::{self, Sweep, Swept};
 use crate::key::{Key, ParseContext, ValueType, keys};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::{self, Compensation, LOOP_SETTINGS as RELOCK_SETTINGS, RELOCK_TABLE, Relock};
+use sagnac_base::diagnostics::Fault;
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::round_12;
-use sagnac_base::source::diagnose::Fault;
+use sagnac_base::quantity::round_12;
 use sagnac_kernel::switched_run::shape::MAX_INTERVALS;
-use sagnac_theory::drift::magnetic::switches;
+use sagnac_theory::drift::switches;
 
 /// Relative deviation of an interval from a whole number of ticks that counts as rounding, since not all decimal
 /// fractions are exact.

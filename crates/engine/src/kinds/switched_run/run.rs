@@ -21,7 +21,7 @@ use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit, Usual};
 use sagnac_kernel::moments::MAX_ESTIMATES;
 use sagnac_kernel::rows::Rows;
 use sagnac_kernel::switched_run::trajectory;
-use sagnac_theory::drift::magnetic::switches;
+use sagnac_theory::drift::switches;
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {

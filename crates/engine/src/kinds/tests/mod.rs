@@ -12,7 +12,7 @@ use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::schema;
 use crate::motion::{Motion, Tone};
 use crate::study::Study;
-use sagnac_base::quantity::units::{Dimension, Quantity};
+use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::{Cell, Unit};
 
 const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../studies/error_vs_dtnu.toml"));

@@ -9,8 +9,8 @@ use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::run::{Plan as GapPlan, Proven};
 use crate::kinds::plan::PointsPlan;
 use crate::study::Study;
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::{Progress, Silent};
-use sagnac_base::source::diagnose::StudyError;
 
 /// Points of different gaps, with motion that several of them share.
 fn study(noise: &str, to: &str) -> Study {

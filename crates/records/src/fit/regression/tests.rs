@@ -1,11 +1,10 @@
 use super::*;
-use sagnac_theory::allan::Part;
-use sagnac_theory::allan::blocks::covariance;
+use sagnac_theory::allan::{Part, block_covariance};
 
 /// Blocks of 100 samples of 1 s over a line and a sine, with these values.
 fn blocks(places: Vec<usize>, value: impl Fn(f64) -> f64) -> Blocks {
     let noises = [Part::angle_random_walk(1.0), Part::bias_instability(1.0, 24), Part::rate_random_walk(1.0)];
-    let noises = noises.map(|part| covariance(&part, 1.0, 100, places.last().unwrap() + 1));
+    let noises = noises.map(|part| block_covariance(&part, 1.0, 100, places.last().unwrap() + 1));
     let over = |x: &dyn Fn(f64) -> f64| places.iter().map(|&place| x(place as f64)).collect::<Vec<_>>();
     let columns = vec![over(&|_| 1.0), over(&|x| x / 40.0 - 1.0), over(&|x| libm::sin(0.3 * x))];
     Blocks { shares: vec![1.0; places.len()], values: over(&value), columns, places, noises }

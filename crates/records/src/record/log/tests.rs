@@ -1,12 +1,11 @@
 //! Whole files as loggers write them.
 
+use super::*;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use crate::record::log::channel::Log;
-use crate::record::log::check::UnitCheck;
-use crate::record::log::measure::{Data, Unit};
+use crate::record::log::measure::UnitCheck;
 use crate::record::log::read::{Hints, Request, Timing};
 
 const COUNT: usize = 40;
@@ -313,4 +312,19 @@ fn columns_that_do_not_vary_are_not_proposed() {
     let timing = Timing::Stamps { step_s: None, column: None, unit: None };
     let message = refused(&path, &request(&[], timing));
     assert!(message.contains("as in `column = rot`"), "{message}");
+}
+
+#[test]
+fn units_are_read_as_loggers_spell_them() {
+    for (text, zero) in [("degC", 0.0), ("° C", 0.0), ("K", -273.15), ("Celsius", 0.0)] {
+        assert_eq!(Degree::of(text).map(|degree| degree.zero), Some(zero), "{text}");
+    }
+    for (name, size) in [("temp_degC", 1.0), ("Temp F", 5.0 / 9.0), ("board_temp_K", 1.0)] {
+        assert_eq!(Degree::at_the_end(name).map(|degree| degree.size), Some(size), "{name}");
+    }
+    for text in ["deg", "", "s", "temp"] {
+        assert!(Degree::of(text).is_none() && Degree::at_the_end(text).is_none(), "{text}");
+    }
+    let boiling = Degree::of("°F").unwrap().celsius(vec![212.0, 32.0]);
+    assert!((boiling[0] - 100.0).abs() < 1e-12 && boiling[1].abs() < 1e-12, "{boiling:?}");
 }

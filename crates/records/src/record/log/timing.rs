@@ -1,19 +1,17 @@
 //! The times of the rows of a log: which column has them, in which unit, and which samples they show as missing.
 
-use crate::record::calendar::{Calendar, DAY_S};
-use crate::record::error::{Faults, RecordError};
+use crate::record::column_file::ColumnFile;
 use crate::record::log::read::{Duplicates, RULES, Timing};
-use crate::record::names::{Name, words};
-use crate::record::recording::Recording;
-use crate::record::spelling::unit_of;
-use crate::record::stamps::{
+use crate::record::names::{Name, unit_of, words};
+use crate::record::time::{Calendar, DAY_S, TimeFault, grid, median_step};
+use crate::record::timestamps::{
     Doubled, are_coarse, are_rounded, are_serial_days, coarseness, doubled as doubled_of, epoch_unit,
     epoch_unit_of, exact_step, faults as faults_of, few_distinct, grid_of_rows, is_step_of_sensor,
     likely_units, mean_step, rows_of_lost_digits, step_in_stamps, uncertainty, unroll,
 };
-use crate::record::time::{TimeFault, grid, median_step};
+use crate::record::{Faults, RecordError};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::units::{Dimension, parse as parse_quantity};
+use sagnac_base::quantity::{Dimension, parse as parse_quantity};
 
 /// Names of columns of times, without signs between words.
 const TIMES: [&str; 16] = [
@@ -110,7 +108,7 @@ pub(crate) struct Rest {
 
 impl Rest {
     /// The column that has the rest of the seconds in `column`: `tv_usec` for `tv_sec`, or `stamp.nanosec` for `stamp.sec`.
-    fn of(file: &Recording, column: usize) -> Option<Rest> {
+    fn of(file: &ColumnFile, column: usize) -> Option<Rest> {
         let names = file.names();
         if names.is_empty() {
             return Rest::without_names(file, column);
@@ -127,7 +125,7 @@ impl Rest {
     }
 
     /// The column after whole seconds since 1970 in `column` if it has the whole ns or µs of each.
-    fn without_names(file: &Recording, column: usize) -> Option<Rest> {
+    fn without_names(file: &ColumnFile, column: usize) -> Option<Rest> {
         let (seconds, rests) = (file.rows(column), file.rows(column + 1));
         let is_second = |second: &f64| second.fract() == 0.0 && matches!(epoch_unit(*second), Some(("s", _)));
         let largest = rests.iter().copied().fold(0.0, f64::max);
@@ -167,7 +165,7 @@ impl Rest {
     }
 
     /// The fault of columns that do not fit each other.
-    pub(crate) fn refused(&self, file: &Recording, column: usize) -> RecordError {
+    pub(crate) fn refused(&self, file: &ColumnFile, column: usize) -> RecordError {
         let message =
             format!("{} has no rests of the seconds in {}", file.title(self.column), file.title(column));
         let help = "name a column with the whole time, as in `time = COLUMN`, or give `rate = HZ` with `time = none`";
@@ -193,7 +191,7 @@ pub(crate) struct Clock {
 
 impl Timing {
     /// The sampling step that is given, or else the one that the file states, s.
-    pub(crate) fn step_s(&self, file: &Recording) -> Option<f64> {
+    pub(crate) fn step_s(&self, file: &ColumnFile) -> Option<f64> {
         match self {
             Timing::Step(step_s) => Some(*step_s),
             Timing::Stamps { step_s, .. } => step_s.or(file.step_s()),
@@ -226,7 +224,7 @@ pub(crate) fn is_timing(name: &Name) -> bool {
 }
 
 /// The columns of whole seconds, and those with the rest of each.
-pub(crate) fn parts_of_times(file: &Recording) -> Vec<usize> {
+pub(crate) fn parts_of_times(file: &ColumnFile) -> Vec<usize> {
     let both = |column| Rest::of(file, column).map(|rest| [column, rest.column]);
     (0..file.columns()).filter_map(both).flatten().collect()
 }
@@ -247,7 +245,7 @@ fn is_called(name: &str, names: &[&str]) -> bool {
 /// The column of stamps, if there is one, and whether its name says so. It is neither one of the `wanted` columns nor the one
 /// `taken` as a temperature, unless it is asked for by name.
 pub(crate) fn found(
-    file: &Recording,
+    file: &ColumnFile,
     timing: &Timing,
     wanted: &[String],
     taken: Option<usize>,
@@ -351,7 +349,7 @@ pub(crate) fn found(
 }
 
 /// The error for a file without times, or with a column of such a name that is `unread`.
-fn without_times(file: &Recording, unread: Option<usize>) -> RecordError {
+fn without_times(file: &ColumnFile, unread: Option<usize>) -> RecordError {
     let help = "give the rate of your logger as `rate = HZ`, or `time = COLUMN` for a column of time stamps, or both: the stamps then \
                 only show where samples are missing";
     match unread {
@@ -366,7 +364,7 @@ fn without_times(file: &Recording, unread: Option<usize>) -> RecordError {
 
 /// What is to be given for the times of a file without a header, where they are not found without it, and the column that would have
 /// them.
-pub(crate) fn asked(file: &Recording, timing: &Timing) -> Option<(Option<usize>, String)> {
+pub(crate) fn asked(file: &ColumnFile, timing: &Timing) -> Option<(Option<usize>, String)> {
     let Timing::Stamps { step_s: None, column, unit: None } = timing else { return None };
     let is_clock =
         |column: usize| file.calendar(column) == Some(Calendar::Time) || Rest::of(file, column).is_some();
@@ -398,14 +396,14 @@ fn in_units(likely: &[(&str, f64)], other: &str) -> String {
 }
 
 /// A column of times in a sentence.
-fn time_column(file: &Recording, column: usize) -> String {
+fn time_column(file: &ColumnFile, column: usize) -> String {
     let name = file.names().get(column).map(|name| name.bare.clone()).filter(|name| !name.is_empty());
     format!("the time column `{}`", name.unwrap_or_else(|| (column + 1).to_string()))
 }
 
 /// The column that shares the most leading groups of its path with the `wanted` column, or of several the one with a unit, or else the
 /// stamp of the sensor; `None` if several remain.
-fn nearest(file: &Recording, columns: Vec<usize>, wanted: Option<&usize>) -> Option<usize> {
+fn nearest(file: &ColumnFile, columns: Vec<usize>, wanted: Option<&usize>) -> Option<usize> {
     let alike = |column: usize| {
         let name = |column: usize| file.names()[column].whole.as_bytes();
         let pairs =
@@ -422,7 +420,7 @@ fn nearest(file: &Recording, columns: Vec<usize>, wanted: Option<&usize>) -> Opt
 
 /// The unit of a column of stamps: the one given, or that of its header, if there is one.
 fn unit_s(
-    file: &Recording,
+    file: &ColumnFile,
     column: usize,
     given: Option<&str>,
     what: &str,
@@ -439,7 +437,7 @@ fn unit_s(
 
 /// The sampling step, s, and the samples of all columns on an even grid, with NaN where one is missing.
 pub(crate) fn spread(
-    file: &Recording,
+    file: &ColumnFile,
     clock: &Clock,
     stamps: Option<Vec<f64>>,
     mut samples: Vec<Vec<f64>>,
@@ -595,7 +593,7 @@ fn are_times(numbers: &[f64], may_number: bool) -> bool {
 
 /// The unit of the stamps; they may be times since 1970. That of a logger is only taken if it gives the rate of a sensor.
 fn unit_of_stamps(
-    file: &Recording,
+    file: &ColumnFile,
     clock: &Clock,
     time: Time,
     stamps: &[f64],
@@ -695,7 +693,7 @@ fn tell(title: &str, stamps: &[f64], step: f64, samples: usize, notes: &mut Vec<
 }
 
 /// The error for stamps that are `apart_s` apart where the given step is another.
-fn other_rate(file: &Recording, column: usize, apart_s: f64, step_s: f64) -> RecordError {
+fn other_rate(file: &ColumnFile, column: usize, apart_s: f64, step_s: f64) -> RecordError {
     let (apart, rate) = (significant(apart_s, 6), significant(1.0 / apart_s, 6));
     let message = format!("the stamps are {apart} s apart, the given rate says {} s", significant(step_s, 4));
     let help = format!("correct the rate, as in `rate = {rate}Hz`, or ignore the stamps with `time = none`");

@@ -1,10 +1,9 @@
 //! Charts as text.
 
-use crate::chart::console::Look;
-use crate::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
-use crate::chart::map::{Cells, Map};
-use crate::chart::picture::Picture;
-use crate::chart::scale::Scale;
+use super::*;
+use crate::chart::Picture;
+use crate::chart::axis::Scale;
+use crate::chart::figure::{Axis, Entry, Limit, Parts, SeriesPoint};
 
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 

@@ -1,9 +1,8 @@
+use super::*;
 use core::f64::consts::PI;
 
-use super::*;
-use crate::allan::holds;
-use crate::allan::part::{FLAT_LEVEL, Part};
 use crate::allan::terms::Term;
+use crate::allan::{FLAT_LEVEL, Part, flicker};
 
 fn all_parts() -> Process {
     Process {
@@ -29,7 +28,7 @@ fn increments(part: &Part, t0: f64, i: usize, j: usize) -> f64 {
             Term::AngleRandomWalk if i == j => size * size / t0,
             Term::BiasInstability => {
                 let hold = |(o, v): (usize, f64)| v * (1.0 - lag / (1_u64 << o) as f64).max(0.0);
-                let variances = holds::variances(part.octaves).unwrap();
+                let variances = flicker::variances(part.octaves).unwrap();
                 FLAT_LEVEL * size * size * variances.into_iter().enumerate().map(hold).sum::<f64>()
             }
             Term::RateRandomWalk => size * size * t0 * (i.min(j) + 1) as f64,
@@ -202,7 +201,7 @@ fn freedom_by_definition(process: &Process, terms: &[Vec<f64>]) -> f64 {
 
 #[test]
 fn degrees_of_freedom_are_those_of_the_double_sum_over_terms() {
-    use crate::allan::estimator::{Estimator, Stride};
+    use crate::allan::{Estimator, Stride};
     let all = all_parts();
     let alone = all.parts[..4].iter().map(|&part| vec![part]);
     for parts in alone.chain([all.parts.clone()]) {

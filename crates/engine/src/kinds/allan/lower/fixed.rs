@@ -15,10 +15,10 @@ use crate::sampling;
 use sagnac_base::quantity::number::significant;
 use sagnac_kernel::moments::LIMIT;
 use sagnac_kernel::recipe::{FOUR_STREAMS, STREAMS};
-use sagnac_theory::allan::estimator::Difference;
-use sagnac_theory::allan::exponential::settling;
-use sagnac_theory::allan::quantizer;
-use sagnac_theory::allan::switching::Jumps;
+use sagnac_theory::allan::Difference;
+use sagnac_theory::allan::markov::settling;
+use sagnac_theory::drift::Jumps;
+use sagnac_theory::pulse;
 
 /// Units per LSB or per unit of the rate: of standard deviations, of those of Markov noise, and of the amplitude of a
 /// sine.
@@ -433,7 +433,7 @@ impl Records {
     pub(crate) fn readout_bound(&self, pulse: f64, pairs: f64, m: u64) -> f64 {
         let (fixed, difference) = (&self.fixed, self.estimator.difference);
         let samples = (difference.spans() * m) as f64;
-        let of_noise = |noise: &Noise| quantizer::noise_variance(&noise.simple(), difference.spans() * m);
+        let of_noise = |noise: &Noise| pulse::noise_variance(&noise.simple(), difference.spans() * m);
         let noise = fixed.noise();
         let [amplitude, turns] = fixed.wave_deviation();
         let of_sine = fixed
@@ -447,7 +447,7 @@ impl Records {
             // Both sides take the angle between two readings in f64.
             + 32.0 * f64::EPSILON * libm::fabs(fixed.rate.cast_signed() as f64 / TURN) * samples;
         // Both are that near to white noise.
-        let white = 2.0 * quantizer::white_error(pulse, &fixed.less().simple(), difference, m);
+        let white = 2.0 * pulse::white_error(pulse, &fixed.less().simple(), difference, m);
         libm::fmin(0.5 * pairs * pulse * between, white)
     }
 }

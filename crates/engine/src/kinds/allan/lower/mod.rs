@@ -19,12 +19,9 @@ use crate::kinds::gap_fill::lower::words_of;
 use crate::tally::Id;
 use sagnac_kernel::allan;
 use sagnac_kernel::recipe::{Level, Recipe};
-use sagnac_theory::allan::estimator::{Difference, Estimator};
-use sagnac_theory::allan::holds;
-use sagnac_theory::allan::part::Part;
-use sagnac_theory::allan::process::Process;
-use sagnac_theory::allan::switching::Switching;
 use sagnac_theory::allan::terms::{Row, Source};
+use sagnac_theory::allan::{Difference, Estimator, Part, Process, flicker};
+use sagnac_theory::drift::Switching;
 
 /// Samples of the longest record, whose drift takes 4 bytes per sample.
 pub const MAX_SAMPLES: u64 = 1 << 26;
@@ -475,7 +472,7 @@ impl Noise {
 
     /// Variance of a difference at `m`, which grows with m.
     pub(crate) fn variance(&self, difference: Difference, m: u64) -> f64 {
-        let octave = |(o, sigma): (usize, &f64)| sigma * sigma * holds::mean_square(difference, 1 << o, m);
+        let octave = |(o, sigma): (usize, &f64)| sigma * sigma * flicker::mean_square(difference, 1 << o, m);
         self.simple().variance(difference, m)
             + Part::rate_random_walk(self.walk).variance(difference, 1.0, m)
             + self.octaves.iter().enumerate().map(octave).sum::<f64>()

@@ -19,11 +19,10 @@ use crate::kinds::plan::identity;
 use crate::store::Address;
 use crate::tally::Id;
 use sagnac_base::quantity::number::significant;
-use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
-use sagnac_theory::allan::exponential::mean_of_decay;
-use sagnac_theory::allan::process::Process;
-use sagnac_theory::allan::quantizer;
-use sagnac_theory::allan::switching::{Jumps, Switching};
+use sagnac_theory::allan::markov::mean_of_decay;
+use sagnac_theory::allan::{Difference, Estimator, Process, Stride};
+use sagnac_theory::drift::{Jumps, Switching};
+use sagnac_theory::pulse;
 
 /// The expected estimate for the lowered words, (″/s)².
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,13 +149,13 @@ impl Records {
         let (fixed, difference) = (&self.fixed, self.estimator.difference);
         let mut process = noise.simple();
         let white = pulse * pulse / 12.0 * difference.coefficients().iter().map(|c| c * c).sum::<f64>();
-        let bound = quantizer::white_error(pulse, &process, difference, m);
+        let bound = pulse::white_error(pulse, &process, difference, m);
         process.parts.extend(fixed.wave().and_then(|sine| sine.part()));
         let switches = fixed.switching.is_some();
         let drifts = self.curved || switches || noise.walk > 0.0 || !noise.octaves.is_empty();
         // Whole pulses in the rate per sample do not affect the fractions.
         let rate = (fixed.rate % (pulse * TURN) as u64) as f64 / TURN;
-        match quantizer::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {
+        match pulse::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {
             Some(value) => Square { value, error: 0.0, representation: 0.0 },
             None => Square { value: white, error: bound, representation: 0.0 },
         }
@@ -226,7 +225,7 @@ impl PhysicalTheory {
             if self.switching.is_some() {
                 return None;
             }
-            sum += quantizer::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
+            sum += pulse::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
         }
         let tau = process.sample_s * m as f64;
         let unit = 1.0 / (difference.divisor() * tau * tau);

@@ -19,9 +19,8 @@ use sagnac_kernel::moments::LIMIT;
 use sagnac_kernel::normal::{REACH, SIGMA};
 use sagnac_kernel::sine::ONE;
 use sagnac_theory::gap::{Weights, greatest_common_divisor, polynomial_weights, tick_phase};
-use sagnac_theory::memo::Memo;
-use sagnac_theory::minimum_variance::minimum_variance_weights;
-use sagnac_theory::rows::{TickRows, place, sides, ticks};
+use sagnac_theory::minimum_variance::{TickRows, minimum_variance_weights, place, sides, ticks};
+use sagnac_theory::quadrature::Memo;
 
 /// Units of the kernel's parameters per LSB.
 pub(crate) const ANGLE_UNITS: f64 = 4.0;

@@ -13,13 +13,13 @@ use crate::kinds::gap_fill::lower::{Estimate, Lowered, functionals};
 use crate::motion::keys::{Design, Phase, Position};
 use crate::motion::{Acceleration, Frequency, Gaussian, Replay, Value};
 use crate::tally::{Id, LEVEL};
-use sagnac_base::quantity::units::round_12;
+use sagnac_base::quantity::round_12;
 use sagnac_kernel::gap_fill::shape::MARGIN;
 use sagnac_kernel::normal::REACH;
 use sagnac_kernel::relock_ticks::MAX_TICKS;
 use sagnac_theory::gap::tick_amplitude;
-use sagnac_theory::memo::Memo;
-use sagnac_theory::rows::TickRows;
+use sagnac_theory::minimum_variance::TickRows;
+use sagnac_theory::quadrature::Memo;
 
 /// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
 pub(crate) const MAX_PROFILE_TICKS: usize = 1 << 22;

@@ -17,12 +17,11 @@ use crate::kinds::gap_fill::lower::readout::class;
 use crate::motion::keys::Phase;
 use crate::motion::{Frequency, Tone, Value, WindowMeans};
 use sagnac_kernel::gap_fill::shape::MARGIN;
-use sagnac_theory::double::Double;
-use sagnac_theory::memo::Memo;
+use sagnac_theory::lines::Double;
 use sagnac_theory::minimum_variance::Band;
 use sagnac_theory::pulse::mean_variance;
-use sagnac_theory::quadrature::Rule;
-use sagnac_theory::{lattice, lines};
+use sagnac_theory::quadrature::{Memo, Rule};
+use sagnac_theory::{lines, quadrature};
 
 /// The physical theory of a point.
 pub(crate) struct PhysicalTheory<'a> {
@@ -293,7 +292,7 @@ impl PhysicalTheory<'_> {
                     let end = |b: i32| ends[(draw + MARGIN).wrapping_add_signed(b as isize)];
                     angles.iter_mut().zip(&ticks).for_each(|(angle, &b)| *angle += end(b));
                 }
-                let mut coordinates = lattice::point(draw as u32);
+                let mut coordinates = quadrature::lattice_point(draw as u32);
                 for tone in &motion.tones {
                     let [amplitude, nu, phase] = drawn(tone, &mut coordinates);
                     for (angle, &b) in angles.iter_mut().zip(&ticks) {
@@ -302,7 +301,7 @@ impl PhysicalTheory<'_> {
                 }
                 angles.iter_mut().for_each(|angle| *angle /= pulse);
             };
-            let draws = places.unwrap_or(lattice::POINTS as usize);
+            let draws = places.unwrap_or(quadrature::LATTICE_POINTS as usize);
             mean_variance(&factors, deviation, class, draws, angles) * pulse * pulse / 12.0
         })
     }

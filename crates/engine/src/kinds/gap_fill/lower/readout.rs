@@ -15,8 +15,8 @@ use crate::kinds::gap_fill::lower::fixed::{
     long_words,
 };
 use sagnac_kernel::normal::REACH;
-use sagnac_theory::memo::Memo;
-use sagnac_theory::{lattice, pulse, quadrature};
+use sagnac_theory::quadrature::Memo;
+use sagnac_theory::{pulse, quadrature};
 
 /// Damping by noise from which on the sum converges within its terms to the last digit.
 const DAMPED: f64 = 64.0;
@@ -99,7 +99,8 @@ fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
         && fixed.relock.is_empty();
     let deviation =
         |i: usize, j: usize| libm::sqrt(normal(fixed, &spans(ticks[i], ticks[j], n), &[])) / pulse;
-    let draws = fixed.profile.as_ref().map_or(lattice::POINTS as usize, |profile| profile.positions);
+    let draws =
+        fixed.profile.as_ref().map_or(quadrature::LATTICE_POINTS as usize, |profile| profile.positions);
     let angles = |draw: usize, angles: &mut [f64]| {
         angles.copy_from_slice(&constants);
         if let Some(profile) = &fixed.profile {
@@ -107,7 +108,7 @@ fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
                 *angle += f64::from(profile.angle(draw, b)) / pulse;
             }
         }
-        let mut coordinates = lattice::point(draw as u32);
+        let mut coordinates = quadrature::lattice_point(draw as u32);
         for tone in &fixed.tones {
             let drawn = tone.drawn(&mut coordinates);
             for (angle, &b) in angles.iter_mut().zip(&ticks) {

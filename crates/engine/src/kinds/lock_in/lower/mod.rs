@@ -31,12 +31,12 @@ use crate::motion::{Amplitude, Frequency, Motion, Tone, Value, keys};
 use crate::sampling;
 use crate::store::Address;
 use crate::tally::Id;
-use sagnac_base::quantity::units::Dimension;
-use sagnac_base::source::diagnose::{Fault, Wrong};
+use sagnac_base::diagnostics::{Fault, Wrong};
+use sagnac_base::quantity::Dimension;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::lock_in::{LockIn, OTHER_VALUES, ROUND, VERSION};
 use sagnac_kernel::normal::REACH;
-use sagnac_theory::allan::estimator::{Difference, Estimator};
+use sagnac_theory::allan::{Difference, Estimator};
 use sagnac_theory::lock_in::{LockIn as LockInTheory, Premise, mean_rate};
 
 /// Gyros of one point, ready to be made.

@@ -22,7 +22,7 @@ use sagnac_kernel::normal::REACH;
 use sagnac_kernel::relock::{self, WEIGHT_BITS};
 use sagnac_kernel::relock_ticks::{self, Shape};
 use sagnac_kernel::width::Width;
-use sagnac_theory::drift::magnetic::{signed_decay, signed_time, switches};
+use sagnac_theory::drift::{signed_decay, signed_time, switches};
 
 /// Mean and standard deviation of an angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,212 @@
+//! Files that are read: only regular ones, with a limit of their size.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fs::{File, Metadata};
+use std::io::{Error, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Largest size of a study or of a noise file, in bytes. The parser of TOML takes up to 100 bytes for each of them.
+pub const MAX_TOML: u64 = 4 << 20;
+
+/// Largest size of a record in bytes, 2^28, which is read and refused in less than 1 GiB of memory.
+pub const MAX_RECORD: u64 = 1 << 28;
+
+/// The folders of the numbers of files that a shell has opened for the program, as for `<(command)`.
+const INHERITED: [&str; 3] = ["/dev/fd", "/proc/self/fd", "/proc/thread-self/fd"];
+
+/// Whether a shell has opened the file for the program: `/dev/stdin`, or `/dev/fd/63` of `<(command)`. Its other end is open
+/// already, so reading it does not wait for a stranger.
+fn is_inherited(path: &Path) -> bool {
+    let number = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.parse::<u32>().ok());
+    let folder = path.parent().filter(|_| number.is_some());
+    path == Path::new("/dev/stdin")
+        || folder.is_some_and(|folder| INHERITED.iter().any(|known| folder == Path::new(known)))
+}
+
+/// Opens a file for reading. What a shell has opened for the program may be of any kind.
+///
+/// # Errors
+/// The file cannot be opened, or is of a kind that may have no end or never begin: a folder, a pipe with a name, a
+/// device, a socket, a file of the kernel.
+pub fn open(path: &Path) -> Result<File, Error> {
+    if is_inherited(path) {
+        return File::open(path);
+    }
+    let file = open_at_once(path)?;
+    // The kind is that of what was opened, whatever has taken its place since.
+    ordinary(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Refuses what may have no end or never begin.
+fn ordinary(found: &Metadata) -> Result<(), Error> {
+    let what = match found.file_type() {
+        _ if is_of_kernel(found) => "it is a file of the kernel",
+        kind if kind.is_file() => return Ok(()),
+        kind if kind.is_dir() => "it is a folder",
+        _ => "it is a pipe, a device or a socket",
+    };
+    Err(Error::new(
+        ErrorKind::InvalidInput,
+        format!("{what}, not an ordinary file; write the data to a file"),
+    ))
+}
+
+/// Opens a file without waiting for the other end of a pipe.
+#[cfg(feature = "files")]
+fn open_at_once(path: &Path) -> Result<File, Error> {
+    use cap_fs_ext::OpenOptionsSyncExt;
+    let mut options = cap_std::fs::OpenOptions::new();
+    let options = options.read(true).nonblock(true);
+    cap_std::fs::File::open_ambient_with(path, options, cap_std::ambient_authority())
+        .map(cap_std::fs::File::into_std)
+}
+
+/// Opens an ordinary file.
+#[cfg(not(feature = "files"))]
+fn open_at_once(path: &Path) -> Result<File, Error> {
+    ordinary(&std::fs::metadata(path)?)?;
+    File::open(path)
+}
+
+/// Whether a file is one of those that the kernel makes up while they are read, some without an end.
+fn is_of_kernel(found: &Metadata) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::linux::fs::MetadataExt;
+        ["/proc", "/sys"]
+            .iter()
+            .any(|root| std::fs::metadata(root).is_ok_and(|root| root.st_dev() == found.st_dev()))
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = found;
+        false
+    }
+}
+
+/// The bytes of the file at `path`, which [`open`] accepts.
+///
+/// # Errors
+/// The file cannot be opened or read, or has `most` bytes or more.
+pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
+    let file = open(path)?;
+    let mut bytes = Vec::new();
+    if file.metadata()?.len() < most {
+        file.take(most).read_to_end(&mut bytes)?;
+        if (bytes.len() as u64) < most {
+            return Ok(bytes);
+        }
+    }
+    Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20)))
+}
+
+/// The text of the file at `path`.
+///
+/// # Errors
+/// It fails where [`read_bytes`] does, and where the file is not UTF-8.
+pub fn read_text(path: &Path, most: u64) -> Result<String, Error> {
+    String::from_utf8(read_bytes(path, most)?)
+        .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8: save it in that encoding"))
+}
+
+/// The files that a study names, each read once. The stored copies are therefore the data used in the computation, even
+/// if a file changes meanwhile or is a pipe.
+pub struct Files {
+    folder: PathBuf,
+    read: RefCell<HashMap<PathBuf, Arc<str>>>,
+}
+
+impl Files {
+    /// The files of a study in this folder.
+    pub fn of(folder: &Path) -> Files {
+        Files { folder: folder.to_owned(), read: RefCell::default() }
+    }
+
+    /// The path of a file.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// It fails where [`read_text`] does, and where all files together have [`MAX_RECORD`] bytes or more.
+    pub fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
+        let path = self.path(name);
+        if let Some(known) = self.read.borrow().get(&path) {
+            return Ok(known.clone());
+        }
+        let before: u64 = self.read.borrow().values().map(|text| text.len() as u64).sum();
+        let left = MAX_RECORD.saturating_sub(before);
+        let text: Arc<str> = read_text(&path, most.min(left))
+            .map_err(|error| match error.kind() {
+                ErrorKind::FileTooLarge if left < most => Error::new(
+                    ErrorKind::FileTooLarge,
+                    format!(
+                        "with it, the files of the study have more than {} MiB; split the study",
+                        MAX_RECORD >> 20
+                    ),
+                ),
+                _ => error,
+            })?
+            .into();
+        self.read.borrow_mut().insert(path, text.clone());
+        Ok(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_too_long_or_has_no_end_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        std::fs::write(&path, "0123456").unwrap();
+        assert_eq!(read_text(&path, 8).unwrap(), "0123456");
+        assert_eq!(read_text(&path, 7).unwrap_err().kind(), ErrorKind::FileTooLarge);
+        assert!(read_text(folder.path(), 8).unwrap_err().to_string().contains("it is a folder"));
+        #[cfg(unix)]
+        assert!(read_text(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string().contains("a device"));
+    }
+
+    #[test]
+    fn the_files_of_a_study_are_bounded_together() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a", "b", "c"] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_len(if name == "c" { 1 << 10 } else { MAX_RECORD / 2 }).unwrap();
+        }
+        let files = Files::of(folder.path());
+        files.text("a", MAX_RECORD).unwrap();
+        let refused = files.text("b", MAX_RECORD).unwrap_err().to_string();
+        assert!(refused.contains("the files of the study have more than 256 MiB"), "{refused}");
+        files.text("c", MAX_RECORD).unwrap();
+        // Each counts once.
+        files.text("a", MAX_RECORD).unwrap();
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn files_of_the_kernel_and_detours_over_open_files_are_refused() {
+        for path in ["/proc/self/maps", "/proc/kmsg", "/sys/kernel/mm/transparent_hugepage/enabled"] {
+            // Some are not there for everybody.
+            let refused = read_bytes(Path::new(path), 10).unwrap_err();
+            assert!(
+                refused.to_string().contains("kernel") || refused.kind() != ErrorKind::InvalidInput,
+                "{path}: {refused}"
+            );
+        }
+        let refused = read_bytes(Path::new("/dev/fd/../../dev/zero"), 10).unwrap_err();
+        assert!(
+            !is_inherited(Path::new("/dev/fd/../../dev/zero"))
+                && !is_inherited(Path::new("/proc/self/fd/../cwd/1"))
+        );
+        assert_ne!(refused.kind(), ErrorKind::FileTooLarge, "{refused}");
+        assert!(is_inherited(Path::new("/dev/fd/63")) && is_inherited(Path::new("/proc/self/fd/0")));
+    }
+}

@@ -1,0 +1,184 @@
+//! Deviations of a record: Allan, modified Allan, time and Hadamard, with intervals.
+//!
+//! ```text
+//! rates, increments or angles ─▶ Angles ─ Taus::factors ─▶ curve ─▶ Points ─ minimum ─▶ in-run bias stability
+//! ```
+//!
+//! 1 ″/s is 1 °/h, so a curve of angles in ″ is in °/h. Sums are in a fixed order and functions are libm's, so values
+//! have the same bits on every machine and for any number of threads. The exception is the incomplete gamma function of
+//! statrs behind the ends of intervals, which may differ in the last digits.
+//!
+//! Definitions and test values: W. J. Riley, "Handbook of frequency stability analysis", NIST SP 1065; IEEE Std 952.
+
+pub mod angles;
+pub mod deviation;
+pub mod distributions;
+pub(crate) mod edf;
+pub mod noise;
+pub mod sums;
+#[cfg(test)]
+mod tests;
+
+use rayon::prelude::*;
+
+pub use crate::allan::angles::{Angles, Line, Trend};
+pub use crate::allan::deviation::{
+    Deviation, MAX_FOR_ALL, MAX_OF_COLUMNS, TauError, Taus, Unit, UnknownDeviation,
+};
+use crate::allan::edf::edf;
+use crate::allan::noise::noise;
+pub use crate::allan::noise::{MIN_GROUPS, Noise, Spread};
+use crate::allan::sums::sums;
+use sagnac_theory::allan::Process;
+use sagnac_theory::allan::gaussian::freedom;
+
+/// A deviation at one averaging time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Averaging factor m, τ in samples.
+    pub m: usize,
+    /// Averaging time τ, s.
+    pub tau_s: f64,
+    /// Number of differences averaged, without those that touch a gap.
+    pub terms: u64,
+    /// The deviation, in the unit of the angle per second, or for [`Deviation::Tdev`] in that of the angle. Absent
+    /// without terms.
+    pub value: Option<f64>,
+    /// Noise identified by the lag-1 autocorrelation; absent where the record is too short.
+    pub noise: Option<Noise>,
+    /// The noise that the interval supposes.
+    pub supposes: Supposed,
+    /// Equivalent degrees of freedom of the variance for that noise.
+    pub edf: Option<f64>,
+    /// Part of the degrees of freedom of a record without gaps that gaps leave.
+    pub left: f64,
+    /// Lower and upper end of the interval.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// The noise that the interval of a deviation supposes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Supposed {
+    /// The power law of the lag-1 autocorrelation at that τ, as in Stable32.
+    PowerLaw,
+    /// A noise model of the whole record.
+    Model,
+    /// The autocorrelation of the differences themselves.
+    Differences,
+}
+
+impl Supposed {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Supposed::PowerLaw => "alpha",
+            Supposed::Model => "model",
+            Supposed::Differences => "differences",
+        }
+    }
+}
+
+/// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence` p, 0 < p <
+/// 1.
+///
+/// # Method
+/// The terms are those of NIST SP 1065 (5.2), and take order N operations for each factor. Those that touch a gap are left out.
+/// Where missing samples would leave less than a quarter of them, they are of the means of those samples that are known, at least
+/// half of each mean; the white noise that this adds is subtracted, and the degrees of freedom are fewer by the square of its
+/// part. The noise is identified by its lag-1 autocorrelation. The equivalent degrees of freedom are those of
+/// Greenhall and Riley for that noise and a record without gaps, times the part that gaps leave. The interval
+/// is that of χ² with these degrees of freedom.
+///
+/// # Limits
+/// Exact intervals need noise of one power law; where two meet, intervals are as good as those of the nearer one. Noise
+/// for which the deviation does not converge is treated as the steepest for which it does. With few groups the noise is
+/// often identified wrongly; [`suppose`] takes it from the record as a whole.
+///
+/// # Example
+/// ```
+/// # use sagnac_records::allan::*;
+/// let rates: Vec<f64> = (0..1000).map(|i| f64::from(i * 7919 % 1000)).collect();
+/// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
+/// let factors = Taus::Octave.factors(angles.len(), angles.step_s, Deviation::Oadev)?;
+/// let points = curve(&angles, Deviation::Oadev, &factors, 0.95);
+/// assert_eq!((points[3].tau_s, points[3].terms), (0.08, 985));
+/// # Ok::<(), TauError>(())
+/// ```
+pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidence: f64) -> Vec<Point> {
+    // The ratio of the mean square of a difference to the variance.
+    let normalization = if deviation.differences() == 2 { 2.0 } else { 6.0 };
+    let sums = sums(angles, deviation, factors);
+    let points = factors.par_iter().zip(sums).map(|(&m, sum)| {
+        let tau_s = m as f64 * angles.step_s;
+        let variance = sum.squares / (normalization * sum.terms as f64 * tau_s * tau_s);
+        let scale = if deviation.is_of_angle() { tau_s / libm::sqrt(3.0) } else { 1.0 };
+        // Less than 0 where what missing samples add is nearly all that there is.
+        let value = (sum.terms > 0 && variance >= 0.0).then(|| libm::sqrt(variance) * scale);
+        let noise = noise(angles, deviation, m);
+        let left = sum.left(deviation.terms(angles.len(), m));
+        let edf = noise.and_then(|noise| edf(deviation, noise.alpha, angles.len(), m)).map(|edf| edf * left);
+        let interval = value.zip(edf).and_then(|(value, edf)| interval(value, edf, confidence));
+        Point { m, tau_s, terms: sum.terms, value, noise, supposes: Supposed::PowerLaw, edf, left, interval }
+    });
+    points.collect()
+}
+
+/// Replaces degrees of freedom and intervals of a curve of `angles` by those of `model`, the noise of the whole record with the
+/// shortest τ that it describes, s; at shorter τ by those of the autocorrelation of the differences. Where the record scatters more
+/// than Gaussian noise, degrees of freedom are as many fewer.
+///
+/// A point for which neither gives them keeps its own. Gaps count as in [`curve`].
+pub fn suppose(
+    points: &mut [Point],
+    angles: &Angles,
+    deviation: Deviation,
+    confidence: f64,
+    model: Option<&(Process, f64)>,
+) {
+    let samples = angles.len().saturating_sub(1) as u64;
+    let spread = angles.spread();
+    points.par_iter_mut().for_each(|point| {
+        let m = point.m;
+        let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * *from_s).and_then(|(process, _)| {
+            freedom(process, deviation.estimator(), deviation.is_modified(), samples, m as u64)
+        });
+        let found = match by_model {
+            Some(edf) => Some((edf, Supposed::Model)),
+            None => edf::freedom(angles, deviation, m).map(|edf| (edf, Supposed::Differences)),
+        };
+        let Some((edf, supposes)) = found else { return };
+        // The relative variance of an estimate is 2 over its degrees of freedom.
+        let edf = 2.0 / (2.0 / (edf * point.left) + spread.at(m as u64) * spread.at(m as u64));
+        let interval = point.value.and_then(|value| interval(value, edf, confidence));
+        *point = Point { supposes, edf: Some(edf), interval, ..*point };
+    });
+}
+
+/// The interval of a deviation `value` whose square has `edf` degrees of freedom. `None` for 0, where nothing was
+/// resolved.
+fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
+    let end = |probability: f64| {
+        let quantile = distributions::chi_squared_quantile(probability, edf)?;
+        Some(value * libm::sqrt(edf / quantile)).filter(|end| end.is_finite())
+    };
+    let tail = 0.5 * (1.0 - confidence);
+    (value > 0.0).then_some(())?;
+    Some((end(1.0 - tail)?, end(tail)?))
+}
+
+/// The minimum of a curve, which data sheets call in-run bias stability. It is not the bias instability B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Minimum {
+    /// The lowest point; of equal ones that with the shortest τ.
+    pub point: Point,
+    /// Whether the curve ends there, so that the stability may be better than this record shows.
+    pub at_end: bool,
+}
+
+/// The minimum of a curve; `None` where no point is above 0.
+pub fn minimum(points: &[Point]) -> Option<Minimum> {
+    let known = || points.iter().filter_map(|point| Some((point, point.value.filter(|value| *value > 0.0)?)));
+    let (point, _) = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let last = known().next_back()?.0;
+    Some(Minimum { point: *point, at_end: last.m == point.m })
+}
