@@ -22,8 +22,8 @@ Examples:
 const TASKS: &str = "\
 Examples:
   sagnac device list
-  sagnac device device::verify --device cpu
-  sagnac device device::bench --device cpu";
+  sagnac device verify --device cpu
+  sagnac device bench --device cpu";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = TASKS)]
