@@ -431,7 +431,7 @@ fn of_holds(a: &[f64], b: &[f64], octave: usize) -> f64 {
     let (samples, length) = (a.len() - 1, 1_usize << octave);
     // A window longer than the record overlaps it as one of its length does, and holds all of it more often.
     let overlap = length.min(samples);
-    let mut sum = (length - overlap) as f64 * (a[samples] - a[0]) * (b[samples] - b[0]);
+    let mut sum = (length - overlap) as f64 * ((a[samples] - a[0]) * (b[samples] - b[0]));
     // Windows that begin before the record, lie in it, and end after it.
     for (a_to, b_to) in a[1..overlap].iter().zip(&b[1..overlap]) {
         sum += (a_to - a[0]) * (b_to - b[0]);
