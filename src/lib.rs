@@ -53,9 +53,9 @@
 //! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | progress of a run, and a way to stop it |
 //! | [`select`](verify::select), [`verify`](verify::verify) | the choice of a device, and the check of its bits |
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
-//! | [`Page`](report::page::sections::Page), [`Figure`](report::chart::figure::Figure), [`pictures`](view::picture::pictures) | pages, and charts |
-//! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |
-//! | [`curve`](allan::curve::curve), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
+//! | [`Page`](report::page::Page), [`Figure`](report::chart::figure::Figure), [`pictures`](view::picture::pictures) | pages, and charts |
+//! | [`Log`](record::log::Log), [`Samples`](record::log::Samples) | recorded data, from files and from memory |
+//! | [`curve`](allan::curve()), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
 //! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
 //! | [`Whole`](analysis::whole::Whole) | the whole analysis of a log, with its temperature, its change over time and navigators |
@@ -63,7 +63,7 @@
 //! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | the best switching interval and filler, and fillers for firmware |
 //! | [`theory`] | closed forms |
 //!
-//! Messages write settings as `name = value` in backticks; [`spelled`](source::setting::spelled) turns them into the options of a front end.
+//! Messages write settings as `name = value` in backticks; [`spelled`](diagnostics::spelled) turns them into the options of a front end.
 
 #![deny(missing_docs)]
 #![warn(unreachable_pub)]
