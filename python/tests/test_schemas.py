@@ -17,19 +17,6 @@ STUDIES = ROOT / "studies"
 LOG = STUDIES / "data/gyro_at_rest.csv"
 FEW = ["--trials", "64", "--device", "cpu"]
 
-STUDY = """title = "A study"
-kind = "gap-fill"
-[gyro]
-tick = "5 ms"
-tick_noise = { std = "1 arcsec" }
-[motion]
-amplitude = "12000 arcsec/s"
-frequency = "20 Hz"
-[switching]
-gap_ticks = 3
-fillers = ["const", "quadratic"]
-"""
-
 
 def check(document: Any) -> None:
     """Holds a document against the schema."""
@@ -46,7 +33,6 @@ def logs(folder: Path) -> None:
     warm = np.column_stack([row * 37 % 101, 20.0 + 5.0 * np.sin(0.05 * row)])
     np.savetxt(folder / "warm.csv", warm, "%.9g", ",", header="gz [deg/h],temp [degC]", comments="")
     (folder / "noise.toml").write_text('angle_random_walk = "0.003 deg/sqrt(h)"\n')
-    (folder / "study.toml").write_text(STUDY)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +57,7 @@ def test_runs_of_every_kind_print_what_the_schema_says(program: Program, names: 
         "sensitivity {studies}/what_decides.toml --device cpu --out s --by theory_rms --samples 32",
         "sensitivity {studies}/what_decides.toml --device cpu --out s --samples 32 --trials 64",
         "filler quadratic const --gap-ticks 3",
-        "filler study.toml",
+        "filler {studies}/which_filler.toml",
         "allan {log} --bootstrap 0",
         "allan {log} --fit none --no-psd --bootstrap 0",
         "allan {log} --segment 600s --segment-detrend linear --bootstrap 0",
