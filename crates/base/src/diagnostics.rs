@@ -184,7 +184,7 @@ impl StudyError {
         StudyError::new(format!("{} is a folder, not a study file", path.display()), "", help, None)
     }
 
-    /// The same error with other advice.
+    /// Replaces the advice of the error.
     pub fn with_help(self, help: &str) -> StudyError {
         StudyError { help: help.to_owned(), ..self }
     }
@@ -198,7 +198,7 @@ impl StudyError {
         self
     }
 
-    /// The same error with every text in it [`visible`].
+    /// Makes the control characters in all texts of the error [`visible`].
     fn visible(&self) -> StudyError {
         let [message, label, help] =
             [&self.message, &self.label, &self.help].map(|text| visible(text).into_owned());
@@ -326,7 +326,7 @@ impl Place {
 }
 
 impl Place {
-    /// The same place in a text whose control characters are visible.
+    /// Returns the place in a copy of the text whose control characters are visible.
     pub fn visible(&self) -> Place {
         // A carriage return alone ends a line too, and would take a terminal back to its start.
         let whole = &self.text.inner().replace("\r\n", " \n").replace('\r', "\n");

@@ -368,7 +368,7 @@ impl Unit {
     pub const ARCSEC_PER_PULSE: Unit = Unit { suffix: "arcsec_per_pulse", symbol: "″/pulse" };
     /// Rate random walk K.
     pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
-    /// The same number as in ″/s, for drift rates.
+    /// Unit of drift rates; 1 °/h is 1 ″/s.
     pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
     /// Allan variances.
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };

@@ -543,7 +543,7 @@ fn values(table: &Table, sweepable: &[&'static Key]) -> Vec<(&'static Key, Quant
 }
 
 impl Study {
-    /// The same study at the given points instead of its own: each has a value for each of the `keys`, which a sweep may
+    /// Returns the study with other points than its own: each has a value for each of the `keys`, which a sweep may
     /// vary, and all other inputs are as written. All points share their random numbers, so that their differences are
     /// those of the inputs. There are no charts, and no precision at which points stop.
     ///

@@ -165,7 +165,7 @@ impl RecordError {
         RecordError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)
     }
 
-    /// The same error with other advice.
+    /// Replaces the advice of the error.
     pub(crate) fn with_help(self, help: &str) -> RecordError {
         RecordError(self.0.with_help(help))
     }

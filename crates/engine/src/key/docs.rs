@@ -1,4 +1,4 @@
-//! What is said of keys, from their rows: explanations, the JSON schema, and the names of earlier versions.
+//! Documentation of keys from their rows: explanations, the JSON schema, and the names of earlier versions.
 
 use std::borrow::Cow;
 use std::collections::HashSet;

@@ -36,7 +36,7 @@ impl<'a> SpannedValue<'a> {
         self.value.span()
     }
 
-    /// The same value, read as that of another key.
+    /// Reads the value as that of another key.
     pub(crate) fn of(self, key: &'static Key) -> SpannedValue<'a> {
         SpannedValue { key, ..self }
     }

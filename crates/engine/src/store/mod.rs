@@ -486,7 +486,7 @@ impl Index {
     /// The number of trials held of a tally, if they are its first ones.
     ///
     /// # Errors
-    /// Those of [`Index::blocks`].
+    /// It fails where [`Index::blocks`] does.
     pub fn trials(&self, address: &Address) -> Result<Option<u64>, StoreError> {
         let blocks = fold(self.blocks(address)?.iter().map(|&block| (block, ())).collect());
         let end = blocks.last().map_or(0, |(block, ())| block.end());

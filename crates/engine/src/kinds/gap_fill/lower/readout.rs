@@ -500,7 +500,7 @@ impl FixedTone {
         DrawnTone { size: part * size, phase: 2.0 * PI * turns, turn }
     }
 
-    /// The same peak where the ratio is 1.
+    /// Returns the peak that the motion has where the ratio is 1.
     fn full_peak(&self) -> f64 {
         let ToneMotion::Drawn { peak, .. } = self.motion else { return 0.0 };
         f64::from(peak) / 32.0

@@ -488,7 +488,7 @@ const STEPS: i32 = 200;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FixedRelocking {
     fixed: FixedRelock,
-    /// The same relock with the correct f0.
+    /// The relock as it would be if f0 were known exactly.
     right: FixedRelock,
     pub(crate) shape: Shape,
 }
