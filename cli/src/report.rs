@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::page::Results;
+use sagnac::analysis::page::{Results, add_sampled_facts};
 use sagnac::report::page::html::gallery;
 use sagnac::report::page::{Card, FILE as REPORT, MARKS};
 use sagnac::run::{Plan, RESOLVED, complete};
@@ -134,11 +134,15 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     if let Some(sentence) = incomplete(lacking) {
         note!("{}: {sentence}", folder.display());
     }
-    let results = Results::new(&plan, &store, &tables, lacking, &[], &progress)?;
-    progress.clear();
+    let results = Results::new(&plan, &store, &tables, lacking, &[])?;
+    let is_partial = results.is_partial;
     let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&folder.join(REPORT)))?;
     let mut page = results.page(&digest);
     page.tables = tables.into_files(&study.charts);
+    if is_partial {
+        add_sampled_facts(&study, &mut page, &progress)?;
+    }
+    progress.clear();
     let spell = |text: &str| in_options(&text);
     results_folder.write(REPORT, page.html(&spell).as_bytes())?;
     results_folder.commit()?;

@@ -6,10 +6,10 @@ use std::thread;
 
 use crate::failure::Failure;
 use crate::look;
-use crate::outcome::Outcome;
+use crate::outcome::{LINES_OF_FACTS, Outcome};
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
-use sagnac::analysis::page::Results;
+use sagnac::analysis::page::{PARTIAL, Results, add_sampled_facts};
 use sagnac::chart::{Chart, Source};
 use sagnac::quantity::number::significant;
 use sagnac::report::chart::notes::ChartError;
@@ -121,15 +121,17 @@ impl Ran<'_> {
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // Long tables take as long to write as everything else that is made of them. They have a thread of their own, because the
         // others wait for what they share among threads.
-        let mut outcome = thread::scope(|scope| {
+        let (mut outcome, is_partial) = thread::scope(|scope| {
             let written = scope.spawn(|| write_tables(folder, &tables));
-            let results = Results::new(plan, store, &tables, *lacking, degraded, progress)?;
+            let results = Results::new(plan, store, &tables, *lacking, degraded)?;
             let resolved = (RESOLVED.to_owned(), results.resolved().into_bytes());
             let details = if shown.table { summary(study, &tables, &results.curves)? } else { String::new() };
+            let is_partial = results.is_partial;
             let page = results.page(&written.join().unwrap_or_else(|panic| resume_unwind(panic))?);
             let outcome = Outcome::new(format!("{} · {}", page.title, page.scope), page);
             let (files, places) = (vec![resolved], place.into_iter().collect());
-            Ok::<_, Failure>(Outcome { details, provenance: self.provenance(), files, places, ..outcome })
+            let outcome = Outcome { details, provenance: self.provenance(), files, places, ..outcome };
+            Ok::<_, Failure>((outcome, is_partial))
         })?;
         outcome.page.tables = tables.into_files(&study.charts);
         let mut pictures = folder.listed();
@@ -137,12 +139,25 @@ impl Ran<'_> {
             name.strip_suffix(".svg").or(name.strip_suffix(".png")).is_some_and(is_chart_stem)
         };
         pictures.retain(stem);
+        if is_partial {
+            outcome.page.notes.insert(0, PARTIAL.to_owned());
+        }
         outcome.save_page(folder, &pictures.iter().map(String::as_str).collect::<Vec<_>>())?;
         progress.clear();
-        if self.json || shown.quiet && *lacking > 0 {
-            shown.open_page(self.path);
-        } else {
-            outcome.show(shown, self.path)?;
+        let is_shown = !(self.json || shown.quiet && *lacking > 0);
+        if is_partial {
+            outcome.page.notes.remove(0);
+            if is_shown {
+                outcome.show_result(shown, LINES_OF_FACTS)?;
+            }
+            add_sampled_facts(study, &mut outcome.page, progress)?;
+            outcome.save_text(folder)?;
+            progress.clear();
+        }
+        match is_shown {
+            true if is_partial => outcome.show_facts(shown, self.path)?,
+            true => outcome.show(shown, self.path)?,
+            false => shown.open_page(self.path),
         }
         Ok(self.json.then(|| json(&outcome.document())))
     }

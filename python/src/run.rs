@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::page::Results;
+use sagnac::analysis::page::{Results, add_sampled_facts};
 use sagnac::chart::Source;
 use sagnac::device::select::Selection;
 use sagnac::report::answer::Answer;
@@ -150,10 +150,14 @@ impl Asked {
         }
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // A run that ended early has raised an exception before.
-        let results = Results::new(&plan, &store, &tables, 0, degraded, listener)?;
-        let resolved = results.resolved();
+        let results = Results::new(&plan, &store, &tables, 0, degraded)?;
+        let (resolved, is_partial) = (results.resolved(), results.is_partial);
         let mut page = results.page(&digest);
         page.tables = tables.into_files(&study.charts);
+        if is_partial {
+            add_sampled_facts(&study, &mut page, listener)?;
+            raised()?;
+        }
         if let Some(folder) = &kept {
             folder.write(RESOLVED, resolved.as_bytes())?;
             folder.write(REPORT, page.html(&|text: &str| in_python(text)).as_bytes())?;

@@ -159,7 +159,6 @@ pub(crate) fn of_study(
             figure.marks = marks;
         }
     }
-    let is_free = limit.is_none();
     let limit = limit.map(|limit| Reading::new(&limited(limit), limit.value, None));
     let judged = decided.map_or(Status::NoLimit, Sheet::status);
     let status = match outline.met {
@@ -167,20 +166,17 @@ pub(crate) fn of_study(
         Some([met, of]) if judged != Status::NoLimit && 0 < met && met < of => Status::PartlyMet { met, of },
         _ => judged,
     };
-    let mut facts = facts(study, tables, decided);
-    if status != judged && judged == Status::Met || is_free && outline.kind == Kind::Optimum {
-        without_worst_case(&mut facts);
-    }
-    Ok(Answer {
+    let answer = Answer {
         kind: outline.kind,
         status: if lacking > 0 { Status::Incomplete { missing: lacking } } else { status },
         headline: outline.headline,
         value: outline.value,
         limit,
         table: outline.table.without_blanks(),
-        facts,
+        facts: vec![],
         checks: agreement::check(&tables.points).into_iter().collect(),
-    })
+    };
+    Ok(Answer { facts: facts(study, tables, decided, &answer), ..answer })
 }
 
 /// Removes the worst case; an error budget then names its condition itself.
@@ -242,13 +238,21 @@ fn limited(limit: Limit) -> Column {
     Column { name: "limit".to_owned(), unit: limit.unit, role: Role::Error, ..Column::default() }
 }
 
-/// The facts of a decision; without one, on fillers that firmware cannot have.
-fn facts(study: &Study, tables: &Tables, decided: Option<&Sheet>) -> Vec<Fact> {
-    let unusable = || {
-        let Bandless { names, why, .. } = Bandless::of(study, &tables.points)?;
-        Some(Fact::Caveat { text: format!("{}: designed for {why}", listed(&names)) })
+/// The facts of a decision beside an answer; without a decision, on fillers that firmware cannot have.
+pub(crate) fn facts(study: &Study, tables: &Tables, decided: Option<&Sheet>, answer: &Answer) -> Vec<Fact> {
+    let Some(sheet) = decided else {
+        let unusable = Bandless::of(study, &tables.points);
+        let caveat = |Bandless { names, why, .. }: Bandless| Fact::Caveat {
+            text: format!("{}: designed for {why}", listed(&names)),
+        };
+        return unusable.map(caveat).into_iter().collect();
     };
-    decided.map_or_else(|| unusable().into_iter().collect(), Sheet::facts)
+    let mut facts = sheet.facts();
+    let judges_more = sheet.status() == Status::Met && answer.status != Status::Met;
+    if judges_more || answer.limit.is_none() && answer.kind == Kind::Optimum {
+        without_worst_case(&mut facts);
+    }
+    facts
 }
 
 impl<'t> Question<'t> {

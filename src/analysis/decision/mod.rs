@@ -71,7 +71,16 @@ impl From<(f64, Option<(f64, f64)>)> for Figure {
     }
 }
 
-/// The decision sheet of a study; `None` where it judges no error. `progress` receives the evaluations for budget and lever.
+/// The decision sheet of a study without what has to be sampled for it, the error budget and the change of an input; `None`
+/// where the study judges no error.
+///
+/// # Errors
+/// The table lacks a column.
+pub fn judge(study: &Study, tables: &Tables) -> Result<Option<Sheet>, DecisionError> {
+    Ok(Choice::of(study, tables)?.map(|choice| Sheet::new(&choice)))
+}
+
+/// The whole decision sheet of a study; `None` where it judges no error. `progress` receives the evaluations.
 ///
 /// # Errors
 /// A row of the tables cannot be evaluated again, or no threads can be started.
@@ -81,16 +90,21 @@ pub fn decide(
     progress: &dyn Progress,
 ) -> Result<Option<Sheet>, DecisionError> {
     let Some(choice) = Choice::of(study, tables)? else { return Ok(None) };
+    let sheet = Sheet::new(&choice);
+    if choice.source != Source::Points {
+        return Ok(Some(sheet));
+    }
     let mut device = processor()?;
     let (row, count) = (choice.row_of_point, [0, 0]);
     let mut evaluator = Evaluator { device: &mut device, row, progress, count };
-    if choice.source != Source::Points {
-        return Ok(Some(Sheet::new(&choice, vec![], None)));
-    }
     evaluator.expect(1);
-    let parts = budget(study, &tables.points, &choice, &mut evaluator)?;
-    let found = lever(study, &tables.points, &choice, &mut evaluator)?;
-    Ok(Some(Sheet::new(&choice, parts, found)))
+    let budget = budget(study, &tables.points, &choice, &mut evaluator)?;
+    // Nothing has to change where the limit is met.
+    let lever = match sheet.is_met() {
+        Some(true) => None,
+        _ => lever(study, &tables.points, &choice, &mut evaluator)?,
+    };
+    Ok(Some(Sheet { budget, lever, is_partial: false, ..sheet }))
 }
 
 /// The decision sheet of a study at a single point, which has these values of keys that a sweep may vary and is sampled on
@@ -140,12 +154,14 @@ pub struct Sheet {
     pub left_out: Vec<String>,
     /// The error budget, the largest part first; empty where there is none.
     pub budget: Vec<Part>,
-    /// The next lever.
+    /// The change of an input that helps most; none where the limit is met.
     pub lever: Option<Lever>,
+    /// Whether budget and change are still to be sampled.
+    pub is_partial: bool,
 }
 
 impl Sheet {
-    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, lever: Option<Lever>) -> Sheet {
+    fn new(choice: &Choice) -> Sheet {
         Sheet {
             label: choice.column.label.clone(),
             unit: choice.column.unit,
@@ -157,8 +173,9 @@ impl Sheet {
             value: (choice.value(), choice.interval()).into(),
             reading: choice.reading(),
             left_out: choice.left_out.clone(),
-            budget,
-            lever,
+            budget: vec![],
+            lever: None,
+            is_partial: choice.source == Source::Points,
         }
     }
 
@@ -203,7 +220,7 @@ impl Sheet {
             let parts = self.budget.iter().map(part).collect();
             facts.push(Fact::ErrorBudget { parts, at: String::new() });
         }
-        facts.extend(self.lever.as_ref().filter(|_| self.is_met() != Some(true)).map(Lever::fact));
+        facts.extend(self.lever.as_ref().map(Lever::fact));
         if !self.left_out.is_empty() {
             let names = listed(&self.left_out);
             facts.push(Fact::Caveat {

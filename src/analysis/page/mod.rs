@@ -28,7 +28,7 @@ pub use crate::analysis::page::design::of_filler;
 pub use crate::analysis::page::design::of_sensitivity;
 pub use crate::analysis::page::log::of_log;
 pub use crate::analysis::page::model::of_model;
-pub use crate::analysis::page::study::Results;
+pub use crate::analysis::page::study::{PARTIAL, Results, add_sampled_facts};
 pub use crate::analysis::page::study::{of_dynamic, of_navigators, of_temperature};
 
 use crate::analysis::log::{Column, events};

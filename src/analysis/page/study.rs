@@ -1,7 +1,7 @@
 //! The page of a study, with the sections that only some have.
 
-use crate::analysis::answer::of_study;
-use crate::analysis::decision::{DecisionError, Sheet, decide};
+use crate::analysis::answer::{facts, of_study};
+use crate::analysis::decision::{DecisionError, decide, judge};
 use crate::analysis::dynamic::{Dynamic, report};
 use crate::analysis::log::Analysis;
 use crate::analysis::page::record::by_name;
@@ -18,7 +18,7 @@ use sagnac_base::table::{Cell, Role, Table};
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::error::StoreError;
 use sagnac_engine::store::{Provenance, Store};
-use sagnac_engine::study::Input;
+use sagnac_engine::study::{Input, Study};
 use sagnac_report::answer::Answer;
 use sagnac_report::chart::Picture;
 use sagnac_report::page::{Block, Grid, Page, Section};
@@ -40,24 +40,25 @@ pub struct Results<'a> {
     /// The part of a table that each chart shows.
     pub curves: Vec<Shown<'a>>,
     answer: Answer,
-    /// The decision sheet of complete results that judge an error.
-    pub sheet: Option<Sheet>,
+    /// Whether facts of the answer have to be sampled, which [`add_sampled_facts`] does.
+    pub is_partial: bool,
 }
+
+/// The note of a page that is there before it is complete.
+pub const PARTIAL: &str = "the error budget and the change that helps most are still being computed; the page is written again with them";
 
 impl<'a> Results<'a> {
     /// The results from `tables`, which the plan made from the store, and which lack so many trials. `degraded` lists the
-    /// deviations of a run from the requested execution, and `progress` receives the evaluations of the decision.
+    /// deviations of a run from the requested execution. Facts that have to be sampled are left to [`add_sampled_facts`].
     ///
     /// # Errors
-    /// The table lacks something that a chart requires, a row of the store is damaged, the disk fails, or a point cannot be
-    /// evaluated again.
+    /// The table lacks something that a chart requires, a row of the store is damaged, or the disk fails.
     pub fn new(
         plan: &'a Plan,
         store: &Store,
         tables: &'a Tables,
         lacking: u64,
         degraded: &[String],
-        progress: &dyn Progress,
     ) -> Result<Results<'a>, DecisionError> {
         let study = plan.study();
         let of_store = || {
@@ -77,9 +78,10 @@ impl<'a> Results<'a> {
         });
         let (mut charts, curves) = (charts?, curves?);
         let (notes, held, provenance) = found.map_err(RunError::from)?;
-        let sheet = if lacking > 0 { None } else { decide(study, tables, progress)? };
+        let sheet = if lacking > 0 { None } else { judge(study, tables)? };
         let answer = of_study(study, tables, &mut charts, &curves, lacking, sheet.as_ref())?;
-        Ok(Results { plan, tables, lacking, held, provenance, notes, charts, curves, answer, sheet })
+        let is_partial = sheet.is_some_and(|sheet| sheet.is_partial);
+        Ok(Results { plan, tables, lacking, held, provenance, notes, charts, curves, answer, is_partial })
     }
 
     /// The study that repeats the run.
@@ -162,6 +164,23 @@ impl<'a> Results<'a> {
         ];
         blocks.into_iter().chain(inputs.into_iter().map(input)).collect()
     }
+}
+
+/// Adds the facts that have to be sampled to the answer on the page of a study, which has its tables: the error budget, and the
+/// change of an input that helps most. `progress` receives the evaluations.
+///
+/// # Errors
+/// A point cannot be evaluated again, or no threads can be started.
+pub fn add_sampled_facts(
+    study: &Study,
+    page: &mut Page,
+    progress: &dyn Progress,
+) -> Result<(), DecisionError> {
+    let tables = Tables::from_files(std::mem::take(&mut page.tables));
+    let sheet = decide(study, &tables, progress)?;
+    page.answer.facts = facts(study, &tables, sheet.as_ref(), &page.answer);
+    page.tables = tables.into_files(&study.charts);
+    Ok(())
 }
 
 /// A file that a study names; of a long one its digest.

@@ -142,6 +142,19 @@ impl Tables {
         all
     }
 
+    /// The tables with the names of their files, in any order.
+    pub fn from_files(files: Vec<(&'static str, Table)>) -> Tables {
+        let mut tables = Tables::of_points(Table::default());
+        for (file, table) in files {
+            match file {
+                _ if file == Source::Coefficients.file() => tables.coefficients = Some(table),
+                _ if file == Source::Trajectories.file() => tables.trajectories = Some(table),
+                _ => tables.points = table,
+            }
+        }
+        tables
+    }
+
     /// Tables that consist of the points only.
     pub(crate) fn of_points(points: Table) -> Tables {
         Tables { points, coefficients: None, trajectories: None }

@@ -21,6 +21,12 @@ const FIRST_HEADING: usize = 24;
 impl Answer {
     /// The answer as lines: checks, headline, table, and facts with their labels in a column.
     pub fn text(&self, width: usize) -> String {
+        let (text, facts) = (self.text_without_facts(width), self.text_of_facts(width));
+        if facts.is_empty() { text } else { format!("{text}\n{facts}") }
+    }
+
+    /// Checks, headline and table as lines.
+    pub fn text_without_facts(&self, width: usize) -> String {
         let checks = self
             .checks
             .iter()
@@ -34,9 +40,13 @@ impl Answer {
         if !table.is_empty() {
             text += &format!("\n{table}");
         }
+        text
+    }
+
+    /// The facts as lines, with their labels in a column.
+    pub fn text_of_facts(&self, width: usize) -> String {
         let facts: Vec<(&str, String)> = self.facts.iter().map(|fact| (fact.label(), fact.text())).collect();
-        let facts = labelled(&facts, width);
-        if facts.is_empty() { text } else { format!("{text}\n{facts}") }
+        labelled(&facts, width)
     }
 }
 
