@@ -2,12 +2,13 @@
 
 use std::cell::Cell;
 use std::fmt;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::key::sweep::{Sweep, Swept};
 use crate::key::{Streams, Unrepresentable};
-use crate::sampling::batches::{Work, held_by_all, lacking, sample};
+use crate::sampling::batches::{Records, Wanted, Work, held_by_all, lacking, sample};
 use crate::sampling::{Plan, RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Address, Index, Store};
@@ -19,6 +20,7 @@ use sagnac_base::stopwatch::Stopwatch;
 use sagnac_base::table::cells::Growing;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cells, Column, ColumnOf, Role, Table};
+use sagnac_kernel::curve::Recorded;
 
 /// The identity of a point of a kind, and the key of its random numbers: its own one, or that of all points of the
 /// study. `inputs` is everything else on which its draws depend, as lines of text.
@@ -110,6 +112,40 @@ const LOWERED_AT_ONCE: usize = 1024;
 /// log2 of the number of trials after which the stop rule first decides.
 const MIN_LOG2: u32 = 10;
 
+/// Lowers points, `at_once` of them in parallel, and hands each to `keep`, in order. Returns whether all are lowered, which
+/// they are not if `progress` asks to stop.
+///
+/// # Errors
+/// A point cannot be represented, or `keep` refuses it. The first such point in order is reported.
+fn lower_all<'a, P: Sync, L: Send>(
+    study: &Study,
+    points: &'a [P],
+    swept: fn(&P) -> &Values,
+    at_once: usize,
+    lower: impl Fn(&'a P) -> Result<L, Unrepresentable> + Sync,
+    mut keep: impl FnMut(L) -> Result<(), StudyError>,
+    progress: &dyn Progress,
+) -> Result<bool, StudyError> {
+    progress.start("points", 0, points.len() as u64);
+    let lower = |point: &'a P| {
+        if progress.stops() {
+            return None;
+        }
+        let lowered = lower(point);
+        progress.advance(1);
+        Some(lowered)
+    };
+    // Points after a refused one are not needed, so they are lowered some at a time.
+    for points in points.chunks(at_once) {
+        let lowered: Vec<Option<Result<L, Unrepresentable>>> = points.par_iter().map(lower).collect();
+        for (point, lowered) in points.iter().zip(lowered) {
+            let Some(lowered) = lowered else { return Ok(false) };
+            keep(lowered.map_err(|refusal| study.refused(swept(point), &refusal))?)?;
+        }
+    }
+    Ok(true)
+}
+
 impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     /// Lowers every point. `P` is a point before it is lowered, and `swept` gives its values of the swept keys. `None` if
     /// `progress` asks to stop.
@@ -125,25 +161,13 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
         lower: impl Fn(&'a P) -> Result<L, Unrepresentable> + Sync,
         progress: &dyn Progress,
     ) -> Result<Option<PointsPlan<'a, S, L>>, StudyError> {
-        progress.start("points", 0, points.len() as u64);
-        let lower = |point: &'a P| {
-            if progress.stops() {
-                return None;
-            }
-            let lowered = lower(point);
-            progress.advance(1);
-            Some(lowered)
-        };
         let mut all = Vec::with_capacity(points.len());
-        // Points after a refused one are not needed, so they are lowered some at a time.
-        for points in points.chunks(LOWERED_AT_ONCE) {
-            let lowered: Vec<Option<Result<L, Unrepresentable>>> = points.par_iter().map(lower).collect();
-            for (point, lowered) in points.iter().zip(lowered) {
-                let Some(lowered) = lowered else { return Ok(None) };
-                all.push(lowered.map_err(|refusal| study.refused(swept(point), &refusal))?);
-            }
-        }
-        Ok(Some(PointsPlan { study, subject, points: all }))
+        let keep = |lowered| {
+            all.push(lowered);
+            Ok(())
+        };
+        let is_complete = lower_all(study, points, swept, LOWERED_AT_ONCE, lower, keep, progress)?;
+        Ok(is_complete.then_some(PointsPlan { study, subject, points: all }))
     }
 
     /// Whether the stop rule applies; it does not apply to a share.
@@ -288,7 +312,141 @@ where
     }
 }
 
-/// The plan of such a study, which consists of its table only.
+/// The part of a plan of records that belongs to its kind.
+pub(crate) trait TabulatedRecords {
+    /// Name of a trial in messages, in the plural.
+    const TRIALS: &'static str;
+
+    /// Makes the recipes of the records of a point, in their order. They are made whenever they are needed, because their
+    /// tables may be large.
+    ///
+    /// # Errors
+    /// The point is refused, which the plan has proven to fit.
+    fn recipes(&self, point: usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable>;
+
+    /// The tables of all that the store holds; without a store, all rows without estimates.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, the disk fails, or a closed form is not that of the inputs.
+    fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError>;
+
+    /// Notes on the results, each a sentence.
+    fn notes(&self) -> Vec<String> {
+        vec![]
+    }
+
+    /// Number of sets of coefficients of a point, each of which has an equal part of the trials.
+    fn sets(&self) -> u64 {
+        1
+    }
+
+    /// See [`Plan::steps_of_a_trial`].
+    fn steps_of_a_trial(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// The plan of a study whose trials are records. `S` is the part of the study that belongs to its kind, and `L` what it keeps
+/// of each lowered point.
+#[derive(Debug)]
+pub(crate) struct RecordsPlan<'a, S, L> {
+    pub(crate) study: &'a Study,
+    pub(crate) subject: &'a S,
+    pub(crate) points: Vec<L>,
+    /// The records of each point, as many for every one.
+    pub(crate) records: Vec<Records>,
+}
+
+impl<'a, S, L: Send> RecordsPlan<'a, S, L>
+where
+    Self: TabulatedRecords,
+{
+    /// Lowers every point, `at_once` of them in parallel. `lower` gives the records of a point, and what is kept of it;
+    /// `swept` its values of the swept keys. `None` if `progress` asks to stop.
+    ///
+    /// # Errors
+    /// A point cannot be represented, or its trials do not fit into memory; the error points at the key to change.
+    pub(crate) fn new<P: Sync>(
+        study: &'a Study,
+        subject: &'a S,
+        points: &'a [P],
+        swept: fn(&P) -> &Values,
+        at_once: usize,
+        lower: impl Fn(&'a P) -> Result<(Vec<Records>, L), Unrepresentable> + Sync,
+        progress: &dyn Progress,
+    ) -> Result<Option<RecordsPlan<'a, S, L>>, StudyError> {
+        let mut plan = RecordsPlan { study, subject, points: vec![], records: vec![] };
+        let keep = |(records, point): (Vec<Records>, L)| {
+            study.check_trials(records.iter().map(|records| records.width).sum(), Self::TRIALS)?;
+            plan.records.extend(records);
+            plan.points.push(point);
+            Ok(())
+        };
+        let is_complete = lower_all(study, points, swept, at_once, lower, keep, progress)?;
+        Ok(is_complete.then_some(plan))
+    }
+
+    /// The records of each point that the study wants.
+    fn wanted(&self) -> Wanted<'_> {
+        Wanted {
+            trials: self.study.trials.div_ceil(self.sets()),
+            records: &self.records,
+            of_point: (self.records.len() / self.points.len().max(1)).max(1),
+            recipes: Box::new(|point| self.recipes(point)),
+        }
+    }
+}
+
+impl<S: fmt::Debug, L: fmt::Debug + Send> Plan for RecordsPlan<'_, S, L>
+where
+    Self: TabulatedRecords,
+{
+    fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<RunStats, RunError> {
+        let wanted = self.wanted();
+        let done = wanted.sample(store, worker, share, progress)?;
+        // A trial has a record of each kind.
+        let of_trial = (wanted.of_point as u64 / self.sets()).max(1);
+        Ok(RunStats { trials: done.trials / of_trial, ..done })
+    }
+
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        self.wanted().lacks(store, share)
+    }
+
+    fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
+        TabulatedRecords::tables(self, store, progress)
+    }
+
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        let held = held_by_all(index, self.records.iter().map(|records| records.address))?;
+        let (wanted, asked) = (self.wanted().trials, self.study.trials);
+        Ok(held.map(|held| if held == wanted { asked } else { held * self.sets() }))
+    }
+
+    fn ids(&self) -> Vec<Id> {
+        self.records.iter().map(|records| records.address.point).collect()
+    }
+
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        Ok(TabulatedRecords::notes(self))
+    }
+
+    fn all_trials(&self) -> u64 {
+        u64::MAX
+    }
+
+    fn steps_of_a_trial(&self) -> Option<u64> {
+        TabulatedRecords::steps_of_a_trial(self)
+    }
+}
+
+/// The plan of a study in closed form, which consists of its table only.
 #[derive(Debug)]
 pub(crate) struct ClosedFormPlan(pub(crate) Table);
 

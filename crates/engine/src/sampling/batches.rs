@@ -273,23 +273,28 @@ pub(crate) struct Records {
     pub(crate) width: usize,
 }
 
+/// Makes the recipes of the records of a point.
+pub(crate) type Recipes<'a> = Box<dyn Fn(usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable> + 'a>;
+
 /// The records of all points of a study.
 pub(crate) struct Wanted<'a> {
-    /// Records of each point.
+    /// Number of records of each recipe.
     pub(crate) trials: u64,
-    /// The points, in order.
-    pub(crate) points: &'a [Records],
-    /// What makes the records of a point, by its place. It is asked whenever it is needed, because its tables may be large.
-    pub(crate) recipe: &'a dyn Fn(usize) -> Result<Arc<dyn Recorded>, Unrepresentable>,
+    /// The records of each recipe, point by point.
+    pub(crate) records: &'a [Records],
+    /// Number of recipes of a point.
+    pub(crate) of_point: usize,
+    /// The recipes of a point. They are made once for all of its records, because their tables may be large.
+    pub(crate) recipes: Recipes<'a>,
 }
 
 impl Wanted<'_> {
     /// The points in order, without those whose draws and sums are the same as those of an earlier one.
     fn distinct(&self) -> impl Iterator<Item = (usize, &Records)> {
         let is_first = |(turn, records): &(usize, &Records)| {
-            self.points[..*turn].iter().all(|before| before.address != records.address)
+            self.records[..*turn].iter().all(|before| before.address != records.address)
         };
-        self.points.iter().enumerate().filter(is_first)
+        self.records.iter().enumerate().filter(is_first)
     }
 
     /// The records that the store lacks of a share, each with the place of its point.
@@ -318,16 +323,20 @@ impl Wanted<'_> {
     ) -> Result<RunStats, RunError> {
         let (trials, started) = (self.trials, Stopwatch::start());
         let lacking = self.missing(store, share)?;
-        let samples = |turn: usize, gap: Range<u64>| (gap.end - gap.start) * self.points[turn].samples;
+        let samples = |turn: usize, gap: Range<u64>| (gap.end - gap.start) * self.records[turn].samples;
         let left: u64 = lacking.iter().map(|(turn, gap)| samples(*turn, gap.clone())).sum();
         let all = self.distinct().map(|(turn, _)| samples(turn, share.trials(trials, turn)));
         let total = all.sum::<u64>().max(left);
         progress.start("samples", total - left, total);
         let (mut batch_samples, mut made, mut stopped) = (worker.first_batch(), 0, false);
         while_storing(store, |stored| {
+            let (mut recipes, mut of) = (vec![], None);
             'points: for (turn, gap) in lacking {
-                let recipe = (self.recipe)(turn)?;
-                let point = &self.points[turn];
+                if of.replace(turn / self.of_point) != Some(turn / self.of_point) {
+                    recipes = (self.recipes)(turn / self.of_point)?;
+                }
+                let recipe: &Arc<dyn Recorded> = &recipes[turn % self.of_point];
+                let point = &self.records[turn];
                 let mut first = gap.start;
                 while first < gap.end {
                     stopped = progress.stops();
@@ -340,7 +349,7 @@ impl Wanted<'_> {
                     let align = 1 << base_log2(trials).min(records.ilog2());
                     let batch = first..gap.end.min((first + records).next_multiple_of(align));
                     let advance = |records| progress.advance(records * point.samples);
-                    let sums = worker.sums(&*recipe, batch.clone(), &advance)?;
+                    let sums = worker.sums(&**recipe, batch.clone(), &advance)?;
                     made += batch.end - batch.start;
                     first = batch.end;
                     let seconds = started.seconds();

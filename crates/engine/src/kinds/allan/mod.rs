@@ -171,7 +171,7 @@ const BANDS: &str = "95 % of records";
 
 impl Subject for Allan {
     fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
-        let plan = run::Plan::new(study, self, progress)?;
+        let plan = run::plan(study, self, progress)?;
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 

@@ -11,17 +11,17 @@ use crate::kinds::allan::columns::{CoefficientRow, Estimates, Row, coefficient_c
 use crate::kinds::allan::lower::theory::{LoweredCurve, PhysicalTheory};
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::{Allan, Inputs as RecordInputs, Point as RecordPoint};
-use crate::kinds::plan::table;
+use crate::kinds::plan::{RecordsPlan, TabulatedRecords, table};
 use crate::noise::Noise;
-use crate::sampling::batches::{Records as PointRecords, Wanted, held_by_all};
-use crate::sampling::{self, RunError, RunStats, Tables, Worker};
-use crate::store::error::StoreError;
-use crate::store::{Index, Store};
+use crate::sampling::batches::Records as PointRecords;
+use crate::sampling::{RunError, Tables};
+use crate::store::Store;
 use crate::study::Study;
-use crate::tally::{Id, Share};
+use crate::tally::Id;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
+use sagnac_kernel::curve::Recorded;
 use sagnac_records::allan::deviation::Unit;
 use sagnac_records::fit::curve::{Covariance, Curve};
 use sagnac_records::fit::selection::Terms;
@@ -42,65 +42,27 @@ const MAX_BYTES: usize = 1 << 30;
 /// Most lanes of a thread.
 const LANES: usize = 16;
 
-/// A study of Allan curves whose points are all proven to fit.
-#[derive(Debug)]
-pub(crate) struct Plan<'a> {
+/// The plan of a study of Allan curves. Of each point it keeps the largest relative deviation of its records due to the kernel's
+/// arithmetic, with its τ, s.
+pub(crate) type AllanPlan<'a> = RecordsPlan<'a, Allan, (f64, f64)>;
+
+/// Lowers every point, one after the other, because one may take as much memory as its record. `None` if `progress` asks to
+/// stop.
+pub(crate) fn plan<'a>(
     study: &'a Study,
     allan: &'a Allan,
-    /// The records of each point. Words are recomputed whenever they are needed, because drift takes 4 bytes per sample.
-    records: Vec<PointRecords>,
-    /// Largest relative deviation of the records due to the kernel's arithmetic, and its τ, s.
-    off: (f64, f64),
-}
-
-impl<'a> Plan<'a> {
-    /// Lowers every point, one after the other, because one may take as much memory as its record. `None` if `progress`
-    /// asks to stop.
-    pub(crate) fn new(
-        study: &'a Study,
-        allan: &'a Allan,
-        progress: &dyn Progress,
-    ) -> Result<Option<Plan<'a>>, StudyError> {
-        let mut plan = Plan { study, allan, records: vec![], off: (0.0, 0.0) };
-        progress.start("points", 0, allan.points.len() as u64);
-        for point in &allan.points {
-            if progress.stops() {
-                return Ok(None);
-            }
-            plan.push(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
-            study.check_trials(plan.records.last().map_or(0, |records| records.width), "records")?;
-            progress.advance(1);
-        }
-        Ok(Some(plan))
-    }
-
-    /// Lowers a point and adds it.
-    fn push(&mut self, point: &RecordPoint) -> Result<(), Unrepresentable> {
-        let lowered = self.lowered(point)?;
+    progress: &dyn Progress,
+) -> Result<Option<AllanPlan<'a>>, StudyError> {
+    let lower = |point: &RecordPoint| {
+        let lowered = LoweredCurve::new(point, allan.estimator, study.seed, study.streams)?;
         let recipe = lowered.records.recipe();
         check_memory(point, 4 * LANES * recipe.depth())?;
-        check_fit(self.allan.terms.as_ref(), &point.ms, point.inputs.samples())?;
-        let off = off(point, &lowered, self.allan.estimator)?;
-        if off.0 > self.off.0 {
-            self.off = off;
-        }
+        check_fit(allan.terms.as_ref(), &point.ms, point.inputs.samples())?;
+        let off = off(point, &lowered, allan.estimator)?;
         let (samples, width) = (recipe.samples.into(), recipe.places());
-        self.records.push(PointRecords { address: lowered.address, samples, width });
-        Ok(())
-    }
-
-    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Unrepresentable> {
-        LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
-    }
-
-    /// Does something with the records that the study wants.
-    fn wanted<T>(&self, with: impl FnOnce(&Wanted) -> T) -> T {
-        let recipe = |place: usize| {
-            let lowered = self.lowered(&self.allan.points[place])?;
-            Ok(Arc::new(lowered.records.recipe().clone()) as _)
-        };
-        with(&Wanted { trials: self.study.trials, points: &self.records, recipe: &recipe })
-    }
+        Ok((vec![PointRecords { address: lowered.address, samples, width }], off))
+    };
+    RecordsPlan::new(study, allan, &allan.points, |point| &point.swept, 1, lower, progress)
 }
 
 /// Refuses a fit to fewer points than parameters.
@@ -130,28 +92,21 @@ fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Unrepresentable
     Err(Unrepresentable { key: "allan", message, help })
 }
 
-impl sampling::Plan for Plan<'_> {
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError> {
-        self.wanted(|wanted| wanted.sample(store, worker, share, progress))
-    }
+impl TabulatedRecords for AllanPlan<'_> {
+    const TRIALS: &'static str = "records";
 
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        self.wanted(|wanted| wanted.lacks(store, share))
+    fn recipes(&self, point: usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable> {
+        let lowered = self.lowered(&self.subject.points[point])?;
+        Ok(vec![Arc::new(lowered.records.recipe().clone())])
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
-        let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
+        let unit = if self.subject.terms.is_some() { "fits" } else { "records" };
         // Number of records in the tables, each with a fit where terms are fitted.
         progress.start(unit, 0, self.study.trials * self.records.len() as u64);
         let (mut curves, mut coefficients) = (Vec::new(), Vec::new());
         // Only one point is in memory at a time.
-        for (point, PointRecords { address, width, .. }) in self.allan.points.iter().zip(&self.records) {
+        for (point, PointRecords { address, width, .. }) in self.subject.points.iter().zip(&self.records) {
             let lowered = store.map(|_| self.lowered(point)).transpose()?;
             let estimates = match store.zip(lowered.as_ref()) {
                 Some((store, LoweredCurve { records, .. })) => {
@@ -160,7 +115,7 @@ impl sampling::Plan for Plan<'_> {
                 None => Estimates::default(),
             };
             curves.extend(self.curve(point, lowered.as_ref(), &estimates)?);
-            match &self.allan.terms {
+            match &self.subject.terms {
                 Some(terms) => {
                     let advance = |fits| progress.advance(fits);
                     coefficients.extend(self.coefficients(point, terms, &estimates, &advance));
@@ -170,48 +125,38 @@ impl sampling::Plan for Plan<'_> {
         }
         let sweeps = &self.study.sweeps;
         let mut points = table(sweeps, &columns(), &curves, |row| &row.point.swept);
-        if self.allan.estimator.difference == Difference::Third {
+        if self.subject.estimator.difference == Difference::Third {
             for column in &mut points.columns {
                 column.label = column.label.replace("Allan", "Hadamard");
             }
         }
         let fitted = || table(sweeps, &coefficient_columns(), &coefficients, |row| row.swept);
-        let coefficients = self.allan.terms.as_ref().map(|_| fitted());
+        let coefficients = self.subject.terms.as_ref().map(|_| fitted());
         Ok(Tables { coefficients, ..Tables::of_points(points) })
     }
 
-    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        held_by_all(index, self.records.iter().map(|records| records.address))
-    }
-
-    fn ids(&self) -> Vec<Id> {
-        self.records.iter().map(|records| records.address.point).collect()
-    }
-
-    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
-        let rounded = (self.off.0 > NEGLIGIBLE).then(|| {
+    fn notes(&self) -> Vec<String> {
+        let larger = |most: (f64, f64), off: &(f64, f64)| if off.0 > most.0 { *off } else { most };
+        let off = self.points.iter().fold((0.0, 0.0), larger);
+        let rounded = (off.0 > NEGLIGIBLE).then(|| {
             format!(
                 "in 32-bit arithmetic the curve of the records is off by up to {} %, at τ = {} s: what is small beside the rest \
                  of so long a record has few units; a coefficient known to better than that is not covered",
-                significant(100.0 * self.off.0, 2),
-                significant(self.off.1, 6)
+                significant(100.0 * off.0, 2),
+                significant(off.1, 6)
             )
         });
-        let Some(terms) = &self.allan.terms else { return Ok(rounded.into_iter().collect()) };
+        let Some(terms) = &self.subject.terms else { return rounded.into_iter().collect() };
         let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
         let shortened =
-            self.allan.points.iter().any(longer).then(|| {
+            self.subject.points.iter().any(longer).then(|| {
                 "coefficients are fitted to averaging times up to an eighth of the record".to_owned()
             });
         let together = self.are_weighed_together(terms).then(|| {
             "records are weighed by the covariance that all of them show together, which a single one does not know"
                 .to_owned()
         });
-        Ok(rounded.into_iter().chain(shortened).chain(together).collect())
-    }
-
-    fn all_trials(&self) -> u64 {
-        u64::MAX
+        rounded.into_iter().chain(shortened).chain(together).collect()
     }
 }
 
@@ -278,7 +223,11 @@ pub(crate) struct Scatter {
     pub(crate) band: Option<(f64, f64)>,
 }
 
-impl Plan<'_> {
+impl AllanPlan<'_> {
+    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Unrepresentable> {
+        LoweredCurve::new(point, self.subject.estimator, self.study.seed, self.study.streams)
+    }
+
     /// A row for each averaging factor of a point.
     ///
     /// # Errors
@@ -289,7 +238,7 @@ impl Plan<'_> {
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
     ) -> Result<Vec<Row<'p>>, Unrepresentable> {
-        let physical = PhysicalTheory::of(point, self.allan.estimator);
+        let physical = PhysicalTheory::of(point, self.subject.estimator);
         let row = |(at, &m): (usize, &u64)| {
             let checked = lowered.map(|lowered| {
                 let theory = lowered.records.theory(at);
@@ -299,7 +248,7 @@ impl Plan<'_> {
             Ok(Row {
                 point,
                 m,
-                terms: self.allan.estimator.terms(point.inputs.samples(), m),
+                terms: self.subject.estimator.terms(point.inputs.samples(), m),
                 records: estimates.count() as u64,
                 scatter: Scatter::of(estimates.at(at)),
                 theory: theory.and_then(|theory| theory.value),
@@ -346,7 +295,7 @@ pub(crate) struct Found {
     records: usize,
 }
 
-impl Plan<'_> {
+impl AllanPlan<'_> {
     /// A row for each coefficient fitted to the records of a point. `progress` receives numbers of fits as they
     /// complete.
     pub(crate) fn coefficients<'p>(
@@ -367,7 +316,7 @@ impl Plan<'_> {
     /// fitted as if it were the only one. Adjacent groups, however, scatter more than the closed form says, and for
     /// terms with a time or frequency the closed form takes a second per record.
     fn are_weighed_together(&self, terms: &Terms) -> bool {
-        self.allan.estimator.stride == Stride::Cluster || have_shapes(terms)
+        self.subject.estimator.stride == Stride::Cluster || have_shapes(terms)
     }
 
     /// The fit of each record, in order; `None` for records without a valid curve.
@@ -378,7 +327,7 @@ impl Plan<'_> {
         estimates: &Estimates,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Vec<Option<Fit>> {
-        let fitter = of_point(point, self.allan.estimator.difference)
+        let fitter = of_point(point, self.subject.estimator.difference)
             .and_then(|geometry| Some((Fitter::new(&geometry, terms).ok()?, geometry)));
         let Some((fitter, geometry)) = fitter else { return vec![None; estimates.count()] };
         let fitted = geometry.ms().len();

@@ -14,7 +14,7 @@ use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::coefficient_columns;
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::allan::{self, coefficients};
-use crate::kinds::lock_in::run::{Plan, columns};
+use crate::kinds::lock_in::run::columns;
 use crate::motion::Motion;
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
@@ -452,7 +452,7 @@ pub(crate) static LOCK_IN: Kind = Kind {
 
 impl Subject for LockInStudy {
     fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
-        let plan = Plan::new(study, self, progress)?;
+        let plan = run::plan(study, self, progress)?;
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 

@@ -1,5 +1,7 @@
 //! The columns of a study of lock-in, and its run: gyros that the store lacks are sampled batch by batch.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::key::Unrepresentable;
@@ -7,18 +9,18 @@ use crate::kinds::allan::columns::{CoefficientRow, coefficient_columns};
 use crate::kinds::allan::run::{Found, check_fit, geometry};
 use crate::kinds::lock_in::lower::{self, Gyros, Zone, failing};
 use crate::kinds::lock_in::{LockInStudy, Point, Times};
-use crate::kinds::plan::table;
-use crate::sampling::batches::{Records, Wanted, held_by_all};
-use crate::sampling::{self, RunError, RunStats, Tables, Worker};
-use crate::store::error::StoreError;
-use crate::store::{Index, Store};
+use crate::kinds::plan::{RecordsPlan, TabulatedRecords, table};
+use crate::sampling::batches::Records;
+use crate::sampling::{RunError, Tables};
+use crate::store::Store;
 use crate::study::Study;
-use crate::tally::{Id, NORMAL_95, Share, z_score};
+use crate::tally::{NORMAL_95, z_score};
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::Band;
 use sagnac_base::table::{ColumnOf, Role, Unit, Usual};
+use sagnac_kernel::curve::Recorded;
 use sagnac_records::allan::deviation::Unit as RecordUnit;
 use sagnac_records::fit::selection::Terms;
 use sagnac_records::fit::{Fit, Fitter, Quantity};
@@ -219,50 +221,28 @@ fn rounded(points: &[Point]) -> Option<String> {
     ))
 }
 
-/// A study whose points are all proven to fit.
-#[derive(Debug)]
-pub(crate) struct Plan<'a> {
-    study: &'a Study,
-    subject: &'a LockInStudy,
-    /// Gyros of each point.
-    points: Vec<Gyros>,
-    records: Vec<Records>,
-}
+/// The plan of a study of lock-in, which keeps the lowered gyros of each point.
+pub(crate) type LockInPlan<'a> = RecordsPlan<'a, LockInStudy, Gyros>;
 
 /// A mean and its standard error, of which there is none for a single value.
 type Estimate = (f64, Option<f64>);
 
-impl<'a> Plan<'a> {
-    /// Lowers every point. `None` if `progress` asks to stop.
-    pub(crate) fn new(
-        study: &'a Study,
-        subject: &'a LockInStudy,
-        progress: &dyn Progress,
-    ) -> Result<Option<Plan<'a>>, StudyError> {
-        progress.start("points", 0, subject.points.len() as u64);
-        let (mut points, mut records) = (Vec::new(), Vec::new());
-        for point in &subject.points {
-            if progress.stops() {
-                return Ok(None);
-            }
-            let lowered = Gyros::new(point, subject.estimator, study.seed, study.streams);
-            let gyros = lowered.map_err(|refusal: Unrepresentable| study.refused(&point.swept, &refusal))?;
-            check_fit(subject.terms.as_ref(), &point.times.ms, point.times.samples)
-                .map_err(|refusal| study.refused(&point.swept, &refusal))?;
-            let samples = u64::from(gyros.recipe().samples);
-            study.check_trials(gyros.width(), "gyros")?;
-            records.push(Records { address: gyros.address, samples, width: gyros.width() });
-            points.push(gyros);
-            progress.advance(1);
-        }
-        Ok(Some(Plan { study, subject, points, records }))
-    }
+/// Lowers every point. `None` if `progress` asks to stop.
+pub(crate) fn plan<'a>(
+    study: &'a Study,
+    subject: &'a LockInStudy,
+    progress: &dyn Progress,
+) -> Result<Option<LockInPlan<'a>>, StudyError> {
+    let lower = |point: &Point| {
+        let gyros = Gyros::new(point, subject.estimator, study.seed, study.streams)?;
+        check_fit(subject.terms.as_ref(), &point.times.ms, point.times.samples)?;
+        let samples = u64::from(gyros.recipe().samples);
+        Ok((vec![Records { address: gyros.address, samples, width: gyros.width() }], gyros))
+    };
+    RecordsPlan::new(study, subject, &subject.points, |point| &point.swept, 1, lower, progress)
+}
 
-    fn wanted<T>(&self, with: impl FnOnce(&Wanted) -> T) -> T {
-        let recipe = |place: usize| Ok(self.points[place].shared());
-        with(&Wanted { trials: self.study.trials, points: &self.records, recipe: &recipe })
-    }
-
+impl LockInPlan<'_> {
     /// The rows of a point, one for each averaging time.
     fn rows<'p>(point: &'p Point, gyros: &Gyros, rates: &[f64], variances: &[Vec<f64>]) -> Vec<Row<'p>> {
         let (rate, theory) = (estimate(rates), lower::angle_random_walk(point));
@@ -324,19 +304,11 @@ fn estimate(values: &[f64]) -> Option<Estimate> {
     (!values.is_empty()).then_some((mean, se))
 }
 
-impl sampling::Plan for Plan<'_> {
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError> {
-        self.wanted(|wanted| wanted.sample(store, worker, share, progress))
-    }
+impl TabulatedRecords for LockInPlan<'_> {
+    const TRIALS: &'static str = "gyros";
 
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        self.wanted(|wanted| wanted.lacks(store, share))
+    fn recipes(&self, point: usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable> {
+        Ok(vec![self.points[point].shared()])
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
@@ -350,7 +322,7 @@ impl sampling::Plan for Plan<'_> {
             let gyros_of = || values.chunks_exact(*width);
             let rates: Vec<f64> = gyros_of().map(|values| gyros.mean_rate(values)).collect();
             let variances: Vec<Vec<f64>> = gyros_of().map(|values| gyros.variances(values)).collect();
-            rows.extend(Plan::rows(point, gyros, &rates, &variances));
+            rows.extend(LockInPlan::rows(point, gyros, &rates, &variances));
             if let Some(terms) = &self.subject.terms {
                 coefficients.extend(self.coefficients(point, terms, &variances));
             }
@@ -361,22 +333,6 @@ impl sampling::Plan for Plan<'_> {
         let fitted = || table(sweeps, &coefficient_columns(), &coefficients, |row| row.swept);
         let coefficients = self.subject.terms.as_ref().map(|_| fitted());
         Ok(Tables { coefficients, ..Tables::of_points(points) })
-    }
-
-    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        held_by_all(index, self.records.iter().map(|records| records.address))
-    }
-
-    fn ids(&self) -> Vec<Id> {
-        self.records.iter().map(|records| records.address.point).collect()
-    }
-
-    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
-        Ok(vec![])
-    }
-
-    fn all_trials(&self) -> u64 {
-        u64::MAX
     }
 
     fn steps_of_a_trial(&self) -> Option<u64> {

@@ -255,7 +255,7 @@ pub(crate) static NAVIGATION: Kind = Kind {
 
 impl Subject for Navigation {
     fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
-        let plan = run::Plan::new(study, self, progress)?;
+        let plan = run::plan(study, self, progress)?;
         Ok(plan.map(|plan| Box::new(plan) as _))
     }
 

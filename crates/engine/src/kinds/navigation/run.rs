@@ -1,7 +1,7 @@
 //! Running a study of navigation: records that the store lacks are made batch by batch, and then become errors with their
 //! radial quantiles.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -9,13 +9,13 @@ use crate::key::Unrepresentable;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro, PhysicalTheory};
-use crate::kinds::plan::table;
-use crate::sampling::batches::{Records, Wanted, held_by_all};
-use crate::sampling::{self, RunError, RunStats, Tables, Worker};
+use crate::kinds::plan::{RecordsPlan, TabulatedRecords, table};
+use crate::sampling::batches::Records;
+use crate::sampling::{RunError, Tables};
+use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::store::{Index, Store};
 use crate::study::Study;
-use crate::tally::{Id, NORMAL_95, Share, central_interval, proportion_interval, z_score};
+use crate::tally::{NORMAL_95, central_interval, proportion_interval, z_score};
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::table::column::Band;
@@ -23,24 +23,13 @@ use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::rows::Rows;
 use sagnac_theory::quantile::{Radial, of_radial_error};
 
-/// A study of navigation whose points are all proven to fit.
-#[derive(Debug)]
-pub(crate) struct Plan<'a> {
-    study: &'a Study,
-    navigation: &'a Navigation,
-    /// The records of each gyro of each set of coefficients of each point.
-    records: Vec<Records>,
-    /// Gyros and sets of a point.
-    of_point: usize,
-    /// The newest lowered point: the weights of its gyros are computed together.
-    newest: Mutex<Option<(usize, Arc<Lowered>)>>,
-    /// The closed forms of each point. They take longer than its tables, which decisions make for many parts of the trials.
-    closed: Vec<OnceLock<Closed>>,
-}
+/// The plan of a study of navigation, whose points keep their closed forms. These take longer than the tables, which decisions
+/// make for many parts of the trials.
+pub(crate) type NavigationPlan<'a> = RecordsPlan<'a, Navigation, OnceLock<Closed>>;
 
 /// What the words of a point give in closed form.
 #[derive(Debug, Clone)]
-struct Closed {
+pub(crate) struct Closed {
     /// By quantity.
     sizes: Vec<Sizes>,
     /// The distributions of the first error, where a filter claims one.
@@ -48,83 +37,44 @@ struct Closed {
     representation: Option<f64>,
 }
 
-impl<'a> Plan<'a> {
-    /// Lowers every point. `None` if `progress` asks to stop.
-    pub(crate) fn new(
-        study: &'a Study,
-        navigation: &'a Navigation,
-        progress: &dyn Progress,
-    ) -> Result<Option<Plan<'a>>, StudyError> {
-        let closed = navigation.points.iter().map(|_| OnceLock::new()).collect();
-        let mut plan =
-            Plan { study, navigation, records: vec![], of_point: 1, newest: Mutex::new(None), closed };
-        progress.start("points", 0, navigation.points.len() as u64);
-        let lower = |point: usize| {
-            if progress.stops() {
-                return None;
-            }
-            let records = plan.lowered(point).map(|lowered| {
-                let of_gyro = |gyro: &LoweredGyro| Records {
-                    address: gyro.address,
-                    samples: gyro.navigation.recipe().samples.into(),
-                    width: lowered.errors.len(),
-                };
-                lowered.gyros.iter().map(of_gyro).collect::<Vec<Records>>()
-            });
-            progress.advance(1);
-            Some(records)
+/// Lowers every point. `None` if `progress` asks to stop.
+pub(crate) fn plan<'a>(
+    study: &'a Study,
+    navigation: &'a Navigation,
+    progress: &dyn Progress,
+) -> Result<Option<NavigationPlan<'a>>, StudyError> {
+    let lower = |point| {
+        let lowered = Lowered::new(point, navigation, study.seed, study.streams)?;
+        let of_gyro = |gyro: &LoweredGyro| Records {
+            address: gyro.address,
+            samples: gyro.navigation.recipe().samples.into(),
+            width: lowered.errors.len(),
         };
-        let all: Vec<Option<Result<Vec<Records>, Unrepresentable>>> =
-            (0..navigation.points.len()).into_par_iter().map(lower).collect();
-        for (point, records) in navigation.points.iter().zip(all) {
-            let Some(records) = records else { return Ok(None) };
-            let records = records.map_err(|refusal| study.refused(&point.swept, &refusal))?;
-            study.check_trials(records.iter().map(|records| records.width).sum(), "navigators")?;
-            plan.of_point = records.len();
-            plan.records.extend(records);
-        }
-        Ok(Some(plan))
-    }
+        Ok((lowered.gyros.iter().map(of_gyro).collect(), OnceLock::new()))
+    };
+    let points = &navigation.points;
+    RecordsPlan::new(study, navigation, points, |point| &point.swept, points.len().max(1), lower, progress)
+}
 
+impl<'a> NavigationPlan<'a> {
     fn lowered(&self, point: usize) -> Result<Lowered, Unrepresentable> {
-        Lowered::new(&self.navigation.points[point], self.navigation, self.study.seed, self.study.streams)
-    }
-
-    /// What makes the records of a gyro of a set of coefficients of a point.
-    fn recipe(&self, place: usize) -> Result<Arc<dyn Recorded>, Unrepresentable> {
-        let (point, gyro) = (place / self.of_point, place % self.of_point);
-        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        let lowered = match &*newest {
-            Some((known, lowered)) if *known == point => Arc::clone(lowered),
-            _ => Arc::new(self.lowered(point)?),
-        };
-        *newest = Some((point, Arc::clone(&lowered)));
-        Ok(Arc::new(lowered.gyros[gyro].navigation.clone()))
-    }
-
-    /// Trials of each set of coefficients.
-    fn of_set(&self) -> u64 {
-        self.study.trials.div_ceil(self.navigation.draws)
-    }
-
-    fn wanted<T>(&self, then: impl FnOnce(Wanted) -> T) -> T {
-        then(Wanted { trials: self.of_set(), points: &self.records, recipe: &|place| self.recipe(place) })
+        Lowered::new(&self.subject.points[point], self.subject, self.study.seed, self.study.streams)
     }
 
     /// The row of a point.
     fn row(&self, point: usize, store: Option<&Store>) -> Result<Row<'a>, RunError> {
-        let quantities = Quantity::of(self.navigation.solution);
-        let of_point = &self.navigation.points[point];
+        let quantities = Quantity::of(self.subject.solution);
+        let of_point = &self.subject.points[point];
         let Some(store) = store else {
             return Ok(Row { point: of_point, trials: 0, sizes: vec![], claim: None, representation: None });
         };
         let lowered = self.lowered(point)?;
         let errors = sampled(&lowered, store)?;
-        let Closed { sizes, claimed, representation } = match self.closed[point].get() {
+        let Closed { sizes, claimed, representation } = match self.points[point].get() {
             Some(closed) => closed.clone(),
             None => {
                 let closed = self.closed(point, &lowered)?;
-                self.closed[point].get_or_init(|| closed).clone()
+                self.points[point].get_or_init(|| closed).clone()
             }
         };
         let with_estimates = |(quantity, closed): (&Quantity, Sizes)| {
@@ -140,8 +90,8 @@ impl<'a> Plan<'a> {
     }
 
     fn closed(&self, point: usize, lowered: &Lowered) -> Result<Closed, Unrepresentable> {
-        let of_point = &self.navigation.points[point];
-        let quantities = Quantity::of(self.navigation.solution);
+        let of_point = &self.subject.points[point];
+        let quantities = Quantity::of(self.subject.solution);
         let size = |quantity: &Quantity| {
             let places = quantity.errors();
             let rounding = places.iter().map(|error| lowered.rounding(*error)).fold(0.0, libm::fmax);
@@ -150,7 +100,7 @@ impl<'a> Plan<'a> {
         let sizes: Vec<Sizes> = quantities.par_iter().map(size).collect();
         // A filter keeps the heading, which is its only error.
         let claimed = of_point.inputs.claimed().map(|_| lowered.distributions(&[0])).unwrap_or_default();
-        let physical = PhysicalTheory::new(of_point, self.navigation, self.study.seed);
+        let physical = PhysicalTheory::new(of_point, self.subject, self.study.seed);
         let of_quantity = |(quantity, sizes): (&Quantity, &Sizes)| {
             lowered.representation(quantity.errors(), sizes.closed_rms, &physical)
         };
@@ -189,59 +139,39 @@ impl LoweredGyro {
     }
 }
 
-impl sampling::Plan for Plan<'_> {
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError> {
-        let done = self.wanted(|wanted| wanted.sample(store, worker, share, progress))?;
-        // A navigator has several gyros.
-        let gyros = (self.of_point as u64 / self.navigation.draws).max(1);
-        Ok(RunStats { trials: done.trials / gyros, ..done })
+impl TabulatedRecords for NavigationPlan<'_> {
+    const TRIALS: &'static str = "navigators";
+
+    fn recipes(&self, point: usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable> {
+        let gyros = self.lowered(point)?.gyros.into_iter();
+        Ok(gyros.map(|gyro| Arc::new(gyro.navigation) as Arc<dyn Recorded>).collect())
     }
 
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        self.wanted(|wanted| wanted.lacks(store, share))
+    fn sets(&self) -> u64 {
+        self.subject.draws
     }
 
     fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
-        let points = 0..self.navigation.points.len();
+        let points = 0..self.subject.points.len();
         let rows = points.map(|point| self.row(point, store)).collect::<Result<Vec<Row>, RunError>>()?;
-        let columns = columns(self.navigation.solution, self.navigation.has_filter());
+        let columns = columns(self.subject.solution, self.subject.has_filter());
         let mut table = table(&self.study.sweeps, &columns, &rows, |row| &row.point.swept);
         let law = |law| rows.iter().map(|row| row.law(law)).collect();
         table.columns.extend(self.study.laws().into_iter().map(|drawn| drawn.about().with(law(drawn))));
         Ok(Tables::of_points(table))
     }
 
-    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        let held = held_by_all(index, self.records.iter().map(|records| records.address))?;
-        let asked = self.study.trials;
-        Ok(held.map(|held| if held == self.of_set() { asked } else { held * self.navigation.draws }))
-    }
-
-    fn ids(&self) -> Vec<Id> {
-        self.records.iter().map(|records| records.address.point).collect()
-    }
-
-    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
-        let names: Vec<&str> = self.navigation.uncertain.iter().map(|input| input.key.name).collect();
+    fn notes(&self) -> Vec<String> {
+        let names: Vec<&str> = self.subject.uncertain.iter().map(|input| input.key.name).collect();
         let drawn = (!names.is_empty()).then(|| {
             format!(
                 "the errors contain the uncertainty of {}: {} sets of values are drawn from their distributions, each for an \
                  equal part of the trials",
                 sagnac_base::diagnostics::listed(&names),
-                self.navigation.draws
+                self.subject.draws
             )
         });
-        Ok(drawn.into_iter().collect())
-    }
-
-    fn all_trials(&self) -> u64 {
-        u64::MAX
+        drawn.into_iter().collect()
     }
 }
 
