@@ -187,7 +187,7 @@ impl Noise {
     /// The angle, ″, that each part of the rate except the angle random walk can accumulate in a time, with at most one
     /// switch; rms for noise and residuals.
     pub(crate) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
-        let turned = |term: Term| (term.row().name[1], (term.row().turned)(self.of(term)[0], time_s));
+        let turned = |term: Term| (term.row().name[1], (term.row().forms.turned)(self.of(term)[0], time_s));
         let switching = [
             ("alternating drift", self.switching.map_or(0.0, |switching| switching.largest_rate() * time_s)),
             ("fill residuals", self.switching.map_or(0.0, |switching| switching.residual_rms())),

@@ -66,6 +66,7 @@ use core::f64::consts::{LN_2, PI};
 
 use crate::allan::markov::mean_of_decay;
 pub use crate::allan::terms::Term;
+use crate::allan::terms::{Covariance, Differences, Increment, Kernel, Source};
 
 /// Differences of angles that are m samples apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -197,12 +198,36 @@ impl Part {
     /// It is exact for the sampled process at any m, for every record that is long enough, and so for the mean of
     /// overlapping and non-overlapping differences alike.
     pub fn variance(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        (self.term.row().variance)(self, difference, sample_s, m)
+        match self.term.row().forms.differences {
+            Differences::Random(variance) => variance(self, difference, sample_s, m),
+            Differences::Shared(_) => 0.0,
+        }
     }
 
     /// The differences of a ramp or a warm-up; `None` for random parts.
     pub fn trend(&self, difference: Difference, sample_s: f64, m: u64) -> Option<Trend> {
-        (self.term.row().trend)(self, difference, sample_s, m)
+        match self.term.row().forms.differences {
+            Differences::Random(_) => None,
+            Differences::Shared(trend) => Some(trend(self, difference, sample_s, m)),
+        }
+    }
+
+    /// The generators of the kernel that make it in a record of `samples` samples.
+    pub fn sources(&self, sample_s: f64, samples: u64) -> Vec<Source> {
+        (self.term.row().forms.sources)(self, sample_s, samples)
+    }
+
+    /// The covariance of its differences, if it is noise whose samples depend on each other.
+    pub(crate) fn kernel(&self, sample_s: f64) -> Option<Kernel> {
+        match self.term.row().forms.covariance {
+            Covariance::Kernel(kernel) => Some(kernel(self, sample_s)),
+            Covariance::Meeting(_) | Covariance::Product(_) => None,
+        }
+    }
+
+    /// The angle over `n` samples.
+    pub(crate) fn increment(&self, sample_s: f64, n: u64) -> Increment {
+        (self.term.row().forms.increment)(self, sample_s, n)
     }
 }
 
@@ -261,7 +286,7 @@ impl Process {
 ///
 /// `None` for a sine, which is a line, and for a ramp and a warm-up, which are no noise.
 pub fn density(part: &Part, sample_s: f64, frequency_hz: f64) -> Option<f64> {
-    (part.term.row().density)(part, sample_s, frequency_hz)
+    (part.term.row().forms.density)(part, sample_s, frequency_hz)
 }
 
 impl Process {
@@ -277,7 +302,7 @@ impl Process {
 ///
 /// `None` for a warm-up, whose Allan variance depends on the length of the record.
 pub fn continuous_variance(part: &Part, tau_s: f64) -> Option<f64> {
-    (part.term.row().continuous)(part, tau_s)
+    (part.term.row().forms.continuous)(part, tau_s)
 }
 
 /// Covariance of the mean rates of two blocks of `m` samples that start 0, 1, … `blocks` − 1 blocks apart, (″/s)², up to a
@@ -295,13 +320,13 @@ pub fn continuous_variance(part: &Part, tau_s: f64) -> Option<f64> {
 /// assert!((2.0 * (walk[0] - walk[1]) / (9.0 * 500.0 * 2.0 / 3.0) - 1.0).abs() < 1e-5);
 /// ```
 pub fn block_covariance(part: &Part, sample_s: f64, m: u64, blocks: usize) -> Vec<f64> {
-    let (row, samples) = (part.term.row(), m as f64);
-    let kernel = (row.kernel)(part, sample_s);
+    let (kernel, samples) = (part.kernel(sample_s), m as f64);
     let tau = sample_s * samples;
-    let at = |lag: usize| match &kernel {
-        Some(kernel) => -kernel(samples, samples * lag as f64),
+    let at = |lag: usize| match (&kernel, &part.term.row().forms.covariance) {
+        (Some(kernel), _) => -kernel(samples, samples * lag as f64),
         // The product of the coefficients of the angles that both blocks have.
-        None => (row.covariance)(part, [2.0, -1.0].get(lag).copied().unwrap_or_default()),
+        (None, Covariance::Meeting(met)) => met(part, [2.0, -1.0].get(lag).copied().unwrap_or_default()),
+        _ => 0.0,
     };
     (0..blocks).map(|lag| at(lag) / (tau * tau)).collect()
 }

@@ -199,7 +199,7 @@ fn pairs(difference: Difference) -> Vec<f64> {
 
 /// Variance of the Gaussian part of the angle over n samples, ″².
 pub fn noise_variance(process: &Process, n: u64) -> f64 {
-    let one = |part: &Part| match (part.term.row().increment)(part, process.sample_s, n) {
+    let one = |part: &Part| match part.increment(process.sample_s, n) {
         terms::Increment::Normal(variance) => variance,
         _ => 0.0,
     };
@@ -216,7 +216,7 @@ impl Increment {
     fn of(process: &Process, n: u64, lsb: f64) -> Option<Increment> {
         let mut sines = Vec::new();
         for part in &process.parts {
-            match (part.term.row().increment)(part, process.sample_s, n) {
+            match part.increment(process.sample_s, n) {
                 terms::Increment::Sine(peak) => sines.push(peak / lsb),
                 terms::Increment::Normal(_) => (),
                 terms::Increment::Other => return None,

@@ -14,7 +14,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::allan::terms::{Apart, Kernel};
+use crate::allan::terms::{Apart, Covariance, Kernel};
 use crate::allan::{Difference, Estimator, Process, Stride};
 
 /// Lags beyond the meeting of the differences up to which the sum extends, relative to their length; the covariance of
@@ -93,7 +93,7 @@ struct Pair<'a> {
     b: f64,
     terms_a: f64,
     terms_b: f64,
-    /// Kernel of each part; `None` for a part that is not noise or has no correlation between samples.
+    /// Kernel of each part of noise that has one.
     kernels: Vec<Option<Kernel>>,
 }
 
@@ -113,11 +113,7 @@ impl<'a> Pair<'a> {
             b: b as f64,
             terms_a: terms(a),
             terms_b: terms(b),
-            kernels: process
-                .parts
-                .iter()
-                .map(|part| (part.term.row().kernel)(part, process.sample_s))
-                .collect(),
+            kernels: process.parts.iter().map(|part| part.kernel(process.sample_s)).collect(),
         }
     }
 
@@ -186,19 +182,24 @@ impl<'a> Pair<'a> {
         let (difference, a, b) = (self.difference, self.a, self.b);
         let apart = Apart { difference, sample_s: self.process.sample_s, a, b, lag, width };
         for (i, (part, kernel)) in self.process.parts.iter().zip(&self.kernels).enumerate() {
-            let (noise, steady) = match kernel {
-                Some(kernel) => {
+            let covariance = &part.term.row().forms.covariance;
+            products.noise[i] = match (kernel, covariance) {
+                (Some(kernel), _) => {
                     // The difference over a, whose angles are x behind those of b.
                     let inner = |x: f64| match difference {
                         Difference::Second => kernel(a, (x - a).abs()),
                         Difference::Third => kernel(a, (x - 2.0 * a).abs()) - kernel(a, (x - a).abs()),
                     };
                     let one = |(j, v): (u32, &f64)| v * inner(lag + f64::from(j) * b);
-                    ((0..).zip(coefficients).map(one).sum(), 0.0)
+                    (0..).zip(coefficients).map(one).sum()
                 }
-                None => ((part.term.row().covariance)(part, met), (part.term.row().product)(part, &apart)),
+                (None, Covariance::Meeting(covariance)) => covariance(part, met),
+                _ => 0.0,
             };
-            (products.noise[i], products.steady[i]) = (noise, steady);
+            products.steady[i] = match covariance {
+                Covariance::Product(product) => product(part, &apart),
+                _ => 0.0,
+            };
         }
     }
 }

@@ -91,26 +91,44 @@ pub struct Row {
     pub part: fn(Term, f64, f64, usize) -> Part,
     /// Square of the coefficient of a part.
     pub square: fn(&Part) -> f64,
-    /// See [`Part::variance`].
-    pub variance: fn(&Part, Difference, f64, u64) -> f64,
-    /// See [`Part::trend`].
-    pub trend: fn(&Part, Difference, f64, u64) -> Option<Trend>,
+    /// The closed forms and generators of a part.
+    pub forms: Forms,
+}
+
+/// The closed forms of a part, for a sampling time, and its generators. A term has to say each of them.
+pub struct Forms {
+    /// The differences of angles.
+    pub differences: Differences,
     /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
     pub continuous: fn(&Part, f64) -> Option<f64>,
     /// See [`density`](crate::allan::density).
     pub density: fn(&Part, f64, f64) -> Option<f64>,
-    /// The covariance of two differences of noise, for a sampling time; `None` if samples are independent.
-    pub kernel: fn(&Part, f64) -> Option<Kernel>,
-    /// Covariance of two differences of noise without a kernel, from the product of the coefficients of angles that meet.
-    pub covariance: fn(&Part, f64) -> f64,
-    /// Product of two differences of a part that is not noise.
-    pub product: fn(&Part, &Apart) -> f64,
+    /// The covariance of two differences.
+    pub covariance: Covariance,
     /// The angle of the part over some samples, for a sampling time.
     pub increment: fn(&Part, f64, u64) -> Increment,
     /// The generators for a sampling time and a number of samples.
     pub sources: fn(&Part, f64, u64) -> Vec<Source>,
     /// Largest angle that the rate of a coefficient can accumulate in a time, ″; 0 for noise of the angle.
     pub turned: fn(f64, f64) -> f64,
+}
+
+/// The differences of the angles of a part, for an order, a sampling time and an averaging factor.
+pub enum Differences {
+    /// Their variance, if each record has its own.
+    Random(fn(&Part, Difference, f64, u64) -> f64),
+    /// The differences themselves, if all records have the same.
+    Shared(fn(&Part, Difference, f64, u64) -> Trend),
+}
+
+/// The covariance of two differences of the angles of a part.
+pub enum Covariance {
+    /// That of noise, for a sampling time.
+    Kernel(fn(&Part, f64) -> Kernel),
+    /// That of independent errors of the angles, from the product of the coefficients of angles that meet.
+    Meeting(fn(&Part, f64) -> f64),
+    /// The product of two differences of a part that is not noise.
+    Product(fn(&Part, &Apart) -> f64),
 }
 
 /// The time or frequency that belongs to a coefficient.
@@ -136,36 +154,42 @@ pub struct Shape {
 }
 
 impl Row {
-    /// Defaults for a noise of the rate without a shape and without closed forms.
-    const NOISE: Row = Row {
-        key: "",
-        symbol: "",
-        title: "",
-        title_of_acceleration: None,
-        name: [""; 2],
-        unit: (1.0, "deg/h", "°/h"),
-        unit_of_acceleration: (1.0, "ug", "µg"),
-        plain: ("", ""),
-        size: ("a noise of", 0.0),
-        shape: None,
-        part: |term, coefficient, shape, _| Part::new(term, [coefficient, shape]),
-        square: |part| part.size * part.size,
-        variance: |_, _, _, _| 0.0,
-        trend: |_, _, _, _| None,
-        continuous: |_, _| None,
-        density: |_, _, _| None,
-        kernel: |_, _| None,
-        covariance: |_, _| 0.0,
-        // A trend that decays is left out, because it is not stationary.
-        product: |part, apart| {
-            let at = |m: f64| part.trend(apart.difference, apart.sample_s, m as u64);
-            let steady = |m| at(m).filter(|trend| trend.decay == 0.0).map_or(0.0, |trend| trend.first);
-            steady(apart.a) * steady(apart.b)
-        },
-        increment: |_, _, _| Increment::Other,
-        sources: |_, _, _| vec![],
-        turned: |coefficient, time_s| coefficient.abs() * time_s,
-    };
+    /// A noise of the rate without a shape, with its names in studies, in lists of terms and on data sheets, its name in a
+    /// sentence, and its closed forms.
+    const fn new(
+        [key, symbol, title]: [&'static str; 3],
+        name: [&'static str; 2],
+        plain: (&'static str, &'static str),
+        forms: Forms,
+    ) -> Row {
+        Row {
+            key,
+            symbol,
+            title,
+            title_of_acceleration: None,
+            name,
+            unit: (1.0, "deg/h", "°/h"),
+            unit_of_acceleration: (1.0, "ug", "µg"),
+            plain,
+            size: ("a noise of", 0.0),
+            shape: None,
+            part: |term, coefficient, shape, _| Part::new(term, [coefficient, shape]),
+            square: |part| part.size * part.size,
+            forms,
+        }
+    }
+}
+
+/// The angle that a constant rate accumulates in a time.
+fn at_constant_rate(coefficient: f64, time_s: f64) -> f64 {
+    coefficient.abs() * time_s
+}
+
+/// The product of two differences that all records share. One that decays is left out, because it is not stationary.
+fn product_of_trends(part: &Part, apart: &Apart) -> f64 {
+    let at = |m: f64| part.trend(apart.difference, apart.sample_s, m as u64);
+    let steady = |m| at(m).filter(|trend| trend.decay == 0.0).map_or(0.0, |trend| trend.first);
+    steady(apart.a) * steady(apart.b)
 }
 
 impl Shape {
@@ -310,86 +334,95 @@ impl Term {
 
 /// White error of the angles.
 static QUANTIZATION: Row = Row {
-    key: "noise.quantization",
-    symbol: "Q",
-    title: "quantization noise Q",
-    name: ["", "quantization"],
     unit: (1.0, "arcsec", "″"),
     unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
-    plain: ("s", "· s"),
-    // Σc² of the coefficients of the angles.
-    variance: |part, difference, _, _| {
-        part.size * part.size * if difference == Difference::Second { 6.0 } else { 20.0 }
-    },
-    continuous: |part, tau| Some(3.0 * part.size * part.size / (tau * tau)),
-    // The difference of two errors over t0.
-    density: |part, t0, f| {
-        let step = 2.0 * part.size * sine_of_turns(0.5 * f * t0);
-        Some(2.0 * step * step / t0)
-    },
-    covariance: |part, met| met * part.size * part.size,
-    increment: |part, _, _| Increment::Normal(2.0 * part.size * part.size),
-    sources: |part, _, _| vec![Source::Errors(part.size)],
-    turned: |_, _| 0.0,
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.quantization", "Q", "quantization noise Q"],
+        ["", "quantization"],
+        ("s", "· s"),
+        Forms {
+            // Σc² of the coefficients of the angles.
+            differences: Differences::Random(|part, difference, _, _| {
+                part.size * part.size * if difference == Difference::Second { 6.0 } else { 20.0 }
+            }),
+            continuous: |part, tau| Some(3.0 * part.size * part.size / (tau * tau)),
+            // The difference of two errors over t0.
+            density: |part, t0, f| {
+                let step = 2.0 * part.size * sine_of_turns(0.5 * f * t0);
+                Some(2.0 * step * step / t0)
+            },
+            covariance: Covariance::Meeting(|part, met| met * part.size * part.size),
+            increment: |part, _, _| Increment::Normal(2.0 * part.size * part.size),
+            sources: |part, _, _| vec![Source::Errors(part.size)],
+            turned: |_, _| 0.0,
+        },
+    )
 };
 
 /// White rate.
 static ANGLE_RANDOM_WALK: Row = Row {
-    key: "noise.angle_random_walk",
-    symbol: "N",
-    title: "angle random walk N",
     title_of_acceleration: Some("velocity random walk N"),
-    name: ["an ", "angle random walk"],
     unit: (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),
     unit_of_acceleration: (60.0 * MICRO_G, "m/s/sqrt(h)", "m/s/√h"),
-    plain: ("sqrt(s)", "· √s"),
-    // Σc² of the coefficients of the increments.
-    variance: |part, difference, t0, m| part.size * part.size * (t0 * m as f64) * difference.divisor(),
-    continuous: |part, tau| Some(part.size * part.size / tau),
-    density: |part, _, _| Some(2.0 * part.size * part.size),
-    // G = −|n|/2.
-    kernel: |part, t0| {
-        let scale = part.size * part.size * t0;
-        Some(Box::new(move |m, n| -scale * (m - n).max(0.0)))
-    },
-    increment: |part, t0, n| Increment::Normal(part.size * part.size * t0 * n as f64),
-    sources: |part, t0, _| vec![Source::White(part.size * libm::sqrt(t0))],
-    turned: |_, _| 0.0,
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.angle_random_walk", "N", "angle random walk N"],
+        ["an ", "angle random walk"],
+        ("sqrt(s)", "· √s"),
+        Forms {
+            // Σc² of the coefficients of the increments.
+            differences: Differences::Random(|part, difference, t0, m| {
+                part.size * part.size * (t0 * m as f64) * difference.divisor()
+            }),
+            continuous: |part, tau| Some(part.size * part.size / tau),
+            density: |part, _, _| Some(2.0 * part.size * part.size),
+            // G = −|n|/2.
+            covariance: Covariance::Kernel(|part, t0| {
+                let scale = part.size * part.size * t0;
+                Box::new(move |m, n| -scale * (m - n).max(0.0))
+            }),
+            increment: |part, t0, n| Increment::Normal(part.size * part.size * t0 * n as f64),
+            sources: |part, t0, _| vec![Source::White(part.size * libm::sqrt(t0))],
+            turned: |_, _| 0.0,
+        },
+    )
 };
 
 /// Flicker of the rate, as a sum of octave holds.
 static BIAS_INSTABILITY: Row = Row {
-    key: "noise.bias_instability",
-    symbol: "B",
-    title: "bias instability B",
-    name: ["a ", "bias instability"],
     part: |_, b, _, octaves| Part::bias_instability(b, octaves),
-    variance: |part, difference, t0, m| {
-        let one = |(o, v): (usize, &f64)| v * flicker::mean_square(difference, 1 << o, m);
-        FLAT_LEVEL
-            * part.size
-            * part.size
-            * t0
-            * t0
-            * octave_variances(part).iter().enumerate().map(one).sum::<f64>()
-    },
-    // That of continuous flicker; the holds have it within 14 % up to a tenth of the sampling rate.
-    density: |part, _, f| Some(part.size * part.size / (PI * f)),
-    continuous: |part, _| Some(FLAT_LEVEL * part.size * part.size),
-    kernel: |part, t0| {
-        let scale = FLAT_LEVEL * part.size * part.size * t0 * t0;
-        let holds = Holds::new(octave_variances(part).iter().map(|variance| scale * variance).collect());
-        Some(Box::new(move |m, n| holds.at(m, n)))
-    },
-    // The number of octaves is that which the record needs, regardless of the part.
-    sources: |part, t0, samples| {
-        let octaves = flicker::octaves(samples).unwrap_or_default();
-        let sigma = |v: &f64| part.size * t0 * libm::sqrt(FLAT_LEVEL * v);
-        vec![Source::Holds(octave_variances(&Part { octaves, ..*part }).iter().map(sigma).collect())]
-    },
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.bias_instability", "B", "bias instability B"],
+        ["a ", "bias instability"],
+        ("", ""),
+        Forms {
+            differences: Differences::Random(|part, difference, t0, m| {
+                let one = |(o, v): (usize, &f64)| v * flicker::mean_square(difference, 1 << o, m);
+                FLAT_LEVEL
+                    * part.size
+                    * part.size
+                    * t0
+                    * t0
+                    * octave_variances(part).iter().enumerate().map(one).sum::<f64>()
+            }),
+            continuous: |part, _| Some(FLAT_LEVEL * part.size * part.size),
+            // That of continuous flicker; the holds have it within 14 % up to a tenth of the sampling rate.
+            density: |part, _, f| Some(part.size * part.size / (PI * f)),
+            covariance: Covariance::Kernel(|part, t0| {
+                let scale = FLAT_LEVEL * part.size * part.size * t0 * t0;
+                let holds =
+                    Holds::new(octave_variances(part).iter().map(|variance| scale * variance).collect());
+                Box::new(move |m, n| holds.at(m, n))
+            }),
+            increment: |_, _, _| Increment::Other,
+            // The number of octaves is that which the record needs, regardless of the part.
+            sources: |part, t0, samples| {
+                let octaves = flicker::octaves(samples).unwrap_or_default();
+                let sigma = |v: &f64| part.size * t0 * libm::sqrt(FLAT_LEVEL * v);
+                vec![Source::Holds(octave_variances(&Part { octaves, ..*part }).iter().map(sigma).collect())]
+            },
+            turned: at_constant_rate,
+        },
+    )
 };
 
 /// The variance of each octave for an Allan variance of 1, or NaN.
@@ -407,68 +440,70 @@ impl Part {
 
 /// Random walk of the rate.
 static RATE_RANDOM_WALK: Row = Row {
-    key: "noise.rate_random_walk",
-    symbol: "K",
-    title: "rate random walk K",
     title_of_acceleration: Some("acceleration random walk K"),
-    name: ["a ", "rate random walk"],
     unit: (60.0, "deg/h/sqrt(h)", "°/h/√h"),
     unit_of_acceleration: (60.0, "ug/sqrt(h)", "µg/√h"),
-    plain: ("1/sqrt(s)", "/ √s"),
-    // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and K²τ/6·(1
-    // + 1/m²) as Hadamard variance.
-    variance: |part, difference, t0, m| {
-        let n = m as f64;
-        let sum = match difference {
-            Difference::Second => (2.0 * n * n * n + n) / 3.0,
-            Difference::Third => n * n * n + n,
-        };
-        part.size * part.size * t0 * t0 * t0 * sum
-    },
-    continuous: |part, tau| Some(part.size * part.size * tau / 3.0),
-    // Steps of variance K²t0, divided by the response of a difference.
-    density: |part, t0, f| {
-        let walk = part.size * t0 / (2.0 * sine_of_turns(0.5 * f * t0));
-        Some(2.0 * walk * walk)
-    },
-    // G = (|n|³ − |n|)/12.
-    kernel: |part, t0| {
-        let scale = part.size * part.size * t0 * t0 * t0;
-        Some(Box::new(move |m, n| scale * cubic(m, n)))
-    },
-    sources: |part, t0, _| vec![Source::Walk(part.size * t0 * libm::sqrt(t0))],
-    turned: |k, t| k * t * libm::sqrt(t),
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.rate_random_walk", "K", "rate random walk K"],
+        ["a ", "rate random walk"],
+        ("1/sqrt(s)", "/ √s"),
+        Forms {
+            // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and K²τ/6·(1
+            // + 1/m²) as Hadamard variance.
+            differences: Differences::Random(|part, difference, t0, m| {
+                let n = m as f64;
+                let sum = match difference {
+                    Difference::Second => (2.0 * n * n * n + n) / 3.0,
+                    Difference::Third => n * n * n + n,
+                };
+                part.size * part.size * t0 * t0 * t0 * sum
+            }),
+            continuous: |part, tau| Some(part.size * part.size * tau / 3.0),
+            // Steps of variance K²t0, divided by the response of a difference.
+            density: |part, t0, f| {
+                let walk = part.size * t0 / (2.0 * sine_of_turns(0.5 * f * t0));
+                Some(2.0 * walk * walk)
+            },
+            // G = (|n|³ − |n|)/12.
+            covariance: Covariance::Kernel(|part, t0| {
+                let scale = part.size * part.size * t0 * t0 * t0;
+                Box::new(move |m, n| scale * cubic(m, n))
+            }),
+            increment: |_, _, _| Increment::Other,
+            sources: |part, t0, _| vec![Source::Walk(part.size * t0 * libm::sqrt(t0))],
+            turned: |k, t| k * t * libm::sqrt(t),
+        },
+    )
 };
 
 /// Constant acceleration.
 static RATE_RAMP: Row = Row {
-    key: "noise.rate_ramp",
-    symbol: "R",
-    title: "rate ramp R",
     title_of_acceleration: Some("acceleration ramp R"),
-    name: ["a ", "rate ramp"],
     unit: (3600.0, "deg/h/h", "°/h/h"),
     unit_of_acceleration: (3600.0, "ug/h", "µg/h"),
-    plain: ("1/s", "/ s"),
     size: ("a ramp of", f64::MIN),
-    trend: |part, difference, t0, m| {
-        let tau = t0 * m as f64;
-        let first = if difference == Difference::Second { part.size * tau * tau } else { 0.0 };
-        Some(Trend { first, decay: 0.0 })
-    },
-    continuous: |part, tau| Some(part.size * part.size * tau * tau / 2.0),
-    sources: |part, t0, _| vec![Source::Ramp(part.size * t0 * t0)],
-    turned: |r, t| 0.5 * r.abs() * t * t,
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.rate_ramp", "R", "rate ramp R"],
+        ["a ", "rate ramp"],
+        ("1/s", "/ s"),
+        Forms {
+            differences: Differences::Shared(|part, difference, t0, m| {
+                let tau = t0 * m as f64;
+                let first = if difference == Difference::Second { part.size * tau * tau } else { 0.0 };
+                Trend { first, decay: 0.0 }
+            }),
+            continuous: |part, tau| Some(part.size * part.size * tau * tau / 2.0),
+            density: |_, _, _| None,
+            covariance: Covariance::Product(product_of_trends),
+            increment: |_, _, _| Increment::Other,
+            sources: |part, t0, _| vec![Source::Ramp(part.size * t0 * t0)],
+            turned: |r, t| 0.5 * r.abs() * t * t,
+        },
+    )
 };
 
 /// Exponentially correlated rate.
 static MARKOV: Row = Row {
-    key: "noise.markov",
-    symbol: "markov",
-    title: "Markov noise",
-    name: ["", "Markov noise"],
     shape: Some(Shape {
         symbol: "markov_time",
         name: "correlation time",
@@ -479,39 +514,46 @@ static MARKOV: Row = Row {
     }),
     part: |_, sigma, time_s, _| Part::markov(sigma * libm::sqrt(2.0 / time_s), time_s),
     square: |part| 0.5 * part.size * part.size * part.shape,
-    variance: |part, difference, t0, m| {
-        increment_variance(part, t0) * markov::mean_square(difference, t0 / part.shape, m as f64)
-    },
-    // (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})].
-    continuous: |part, tau| {
-        let (q_c, time_s) = (part.size, part.shape);
-        let z = tau / time_s;
-        // 2z − 3 + 4e^{−z} − e^{−2z}, in which the powers up to z² cancel.
-        let bracket = match z < 0.5 {
-            true => 4.0 * beyond_square(z) - beyond_square(2.0 * z),
-            false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),
-        };
-        Some(q_c * q_c * time_s * time_s / tau * bracket / (2.0 * z))
-    },
-    // 2t0·σ²(1 − a²)/(1 − 2a cos 2πft0 + a²), whose differences are of small numbers where t0 is short.
-    density: |part, t0, f| {
-        let (decay, step) = (t0 / part.shape, 2.0 * sine_of_turns(0.5 * f * t0));
-        let fallen = -libm::expm1(-decay);
-        let response = fallen * fallen + libm::exp(-decay) * step * step;
-        Some(part.size * part.size * part.shape * t0 * -libm::expm1(-2.0 * decay) / response)
-    },
-    kernel: |part, t0| {
-        let (variance, decay) = (increment_variance(part, t0), t0 / part.shape);
-        Some(Box::new(move |m, n| variance * markov::kernel(decay, m, n)))
-    },
-    increment: |part, t0, n| {
-        Increment::Normal(increment_variance(part, t0) * markov::summed(t0 / part.shape, n as f64))
-    },
-    sources: |part, t0, _| {
-        let sigma = part.size * libm::sqrt(0.5 * part.shape) * t0;
-        vec![Source::Markov { sigma, decay: t0 / part.shape }]
-    },
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.markov", "markov", "Markov noise"],
+        ["", "Markov noise"],
+        ("", ""),
+        Forms {
+            differences: Differences::Random(|part, difference, t0, m| {
+                increment_variance(part, t0) * markov::mean_square(difference, t0 / part.shape, m as f64)
+            }),
+            // (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})].
+            continuous: |part, tau| {
+                let (q_c, time_s) = (part.size, part.shape);
+                let z = tau / time_s;
+                // 2z − 3 + 4e^{−z} − e^{−2z}, in which the powers up to z² cancel.
+                let bracket = match z < 0.5 {
+                    true => 4.0 * beyond_square(z) - beyond_square(2.0 * z),
+                    false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),
+                };
+                Some(q_c * q_c * time_s * time_s / tau * bracket / (2.0 * z))
+            },
+            // 2t0·σ²(1 − a²)/(1 − 2a cos 2πft0 + a²), whose differences are of small numbers where t0 is short.
+            density: |part, t0, f| {
+                let (decay, step) = (t0 / part.shape, 2.0 * sine_of_turns(0.5 * f * t0));
+                let fallen = -libm::expm1(-decay);
+                let response = fallen * fallen + libm::exp(-decay) * step * step;
+                Some(part.size * part.size * part.shape * t0 * -libm::expm1(-2.0 * decay) / response)
+            },
+            covariance: Covariance::Kernel(|part, t0| {
+                let (variance, decay) = (increment_variance(part, t0), t0 / part.shape);
+                Box::new(move |m, n| variance * markov::kernel(decay, m, n))
+            }),
+            increment: |part, t0, n| {
+                Increment::Normal(increment_variance(part, t0) * markov::summed(t0 / part.shape, n as f64))
+            },
+            sources: |part, t0, _| {
+                let sigma = part.size * libm::sqrt(0.5 * part.shape) * t0;
+                vec![Source::Markov { sigma, decay: t0 / part.shape }]
+            },
+            turned: at_constant_rate,
+        },
+    )
 };
 
 /// Variance of the rate times t0², ″².
@@ -521,10 +563,6 @@ fn increment_variance(part: &Part, t0: f64) -> f64 {
 
 /// Sine of the rate with a random phase.
 static SINE: Row = Row {
-    key: "noise.sine",
-    symbol: "sine",
-    title: "sine",
-    name: ["a ", "sine"],
     size: ("an amplitude of", 0.0),
     shape: Some(Shape {
         key: "frequency",
@@ -538,36 +576,46 @@ static SINE: Row = Row {
         range: |[shortest, longest]| [0.2 / longest, 0.5 / shortest],
         per_decade: 40.0,
     }),
-    // The amplitude of the angle is Ω_0/2πf, and every difference multiplies it by 2 sin πfτ.
-    variance: |part, difference, t0, m| {
-        let step = 2.0 * sine_of_turns(0.5 * part.shape * (t0 * m as f64));
-        let angle = part.size / (2.0 * PI * part.shape);
-        0.5 * angle * angle * libm::pow(step * step, difference.spans() as f64)
-    },
-    // Ω_0²(sin²πfτ/πfτ)².
-    continuous: |part, tau| {
-        let sine = sine_of_turns(0.5 * part.shape * tau);
-        let shape = sine * sine / (PI * part.shape * tau);
-        Some(part.size * part.size * shape * shape)
-    },
-    // The mean over the phase, averaged over the lags.
-    product: |part, &Apart { difference, sample_s, a, b, lag, width }| {
-        let turns = part.shape * sample_s;
-        let spans = difference.spans() as f64;
-        let step = |m: f64| libm::pow(2.0 * sine_of_turns(0.5 * turns * m), spans);
-        let angle = part.size / (2.0 * PI * part.shape);
-        let from_middle = lag + 0.5 * spans * (b - a);
-        let (one, whole) = (sine_of_turns(0.5 * turns), sine_of_turns(0.5 * turns * width));
-        let smoothed = if width == 1.0 || one == 0.0 { 1.0 } else { whole / (width * one) };
-        0.5 * angle * angle * step(a) * step(b) * smoothed * sine_of_turns(0.25 + turns * from_middle)
-    },
-    increment: |part, t0, n| {
-        Increment::Sine(part.size / (PI * part.shape) * sine_of_turns(0.5 * part.shape * (t0 * n as f64)))
-    },
-    sources: |part, t0, _| {
-        vec![Source::Sine { amplitude: part.size / (2.0 * PI * part.shape), turns: part.shape * t0 }]
-    },
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.sine", "sine", "sine"],
+        ["a ", "sine"],
+        ("", ""),
+        Forms {
+            // The amplitude of the angle is Ω_0/2πf, and every difference multiplies it by 2 sin πfτ.
+            differences: Differences::Random(|part, difference, t0, m| {
+                let step = 2.0 * sine_of_turns(0.5 * part.shape * (t0 * m as f64));
+                let angle = part.size / (2.0 * PI * part.shape);
+                0.5 * angle * angle * libm::pow(step * step, difference.spans() as f64)
+            }),
+            // Ω_0²(sin²πfτ/πfτ)².
+            continuous: |part, tau| {
+                let sine = sine_of_turns(0.5 * part.shape * tau);
+                let shape = sine * sine / (PI * part.shape * tau);
+                Some(part.size * part.size * shape * shape)
+            },
+            density: |_, _, _| None,
+            // The mean over the phase, averaged over the lags.
+            covariance: Covariance::Product(|part, &Apart { difference, sample_s, a, b, lag, width }| {
+                let turns = part.shape * sample_s;
+                let spans = difference.spans() as f64;
+                let step = |m: f64| libm::pow(2.0 * sine_of_turns(0.5 * turns * m), spans);
+                let angle = part.size / (2.0 * PI * part.shape);
+                let from_middle = lag + 0.5 * spans * (b - a);
+                let (one, whole) = (sine_of_turns(0.5 * turns), sine_of_turns(0.5 * turns * width));
+                let smoothed = if width == 1.0 || one == 0.0 { 1.0 } else { whole / (width * one) };
+                0.5 * angle * angle * step(a) * step(b) * smoothed * sine_of_turns(0.25 + turns * from_middle)
+            }),
+            increment: |part, t0, n| {
+                Increment::Sine(
+                    part.size / (PI * part.shape) * sine_of_turns(0.5 * part.shape * (t0 * n as f64)),
+                )
+            },
+            sources: |part, t0, _| {
+                vec![Source::Sine { amplitude: part.size / (2.0 * PI * part.shape), turns: part.shape * t0 }]
+            },
+            turned: at_constant_rate,
+        },
+    )
 };
 
 /// The filter of the sensor itself, beyond its memory.
@@ -577,37 +625,52 @@ static SINE: Row = Row {
 /// constant, as quantization makes it greater by one. For white rate noise N through a first-order low-pass of the time T,
 /// that constant is N²T, and L² = N²T/2.
 static BAND_LIMIT: Row = Row {
-    symbol: "L",
-    title: "band limit L",
-    name: ["a ", "band limit"],
     unit: (1.0, "arcsec", "″"),
     unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
-    plain: ("s", "· s"),
-    variance: |part, difference, t0, m| -(QUANTIZATION.variance)(part, difference, t0, m),
-    continuous: |part, tau| Some(-3.0 * part.size * part.size / (tau * tau)),
-    covariance: |part, met| -met * part.size * part.size,
-    increment: |part, _, _| Increment::Normal(-2.0 * part.size * part.size),
-    turned: |_, _| 0.0,
-    ..Row::NOISE
+    ..Row::new(
+        ["", "L", "band limit L"],
+        ["a ", "band limit"],
+        ("s", "· s"),
+        Forms {
+            differences: Differences::Random(|part, difference, t0, m| {
+                -Part { term: Term::Quantization, ..*part }.variance(difference, t0, m)
+            }),
+            continuous: |part, tau| Some(-3.0 * part.size * part.size / (tau * tau)),
+            density: |_, _, _| None,
+            covariance: Covariance::Meeting(|part, met| -met * part.size * part.size),
+            increment: |part, _, _| Increment::Normal(-2.0 * part.size * part.size),
+            sources: |_, _, _| vec![],
+            turned: |_, _| 0.0,
+        },
+    )
 };
 
 /// Decay of the rate after the start of the record.
 static WARM_UP: Row = Row {
-    key: "noise.warm_up",
-    symbol: "warm_up",
-    title: "warm-up",
-    name: ["a ", "warm-up"],
     size: ("an amplitude of", f64::MIN),
     shape: Some(Shape::TIME),
-    // θ = AT(1 − e^{−t/T}): each difference multiplies e^{−t/T} by e^{−τ/T} − 1.
-    trend: |part, difference, t0, m| {
-        let (amplitude, time_s, tau) = (part.size, part.shape, t0 * m as f64);
-        let power = f64::from(difference.spans() as u32);
-        let first = -amplitude * time_s * libm::pow(libm::expm1(-tau / time_s), power);
-        Some(Trend { first, decay: t0 / time_s })
-    },
-    sources: |part, t0, _| vec![Source::Decay { reach: part.size * part.shape, decay: t0 / part.shape }],
-    ..Row::NOISE
+    ..Row::new(
+        ["noise.warm_up", "warm_up", "warm-up"],
+        ["a ", "warm-up"],
+        ("", ""),
+        Forms {
+            // θ = AT(1 − e^{−t/T}): each difference multiplies e^{−t/T} by e^{−τ/T} − 1.
+            differences: Differences::Shared(|part, difference, t0, m| {
+                let (amplitude, time_s, tau) = (part.size, part.shape, t0 * m as f64);
+                let power = f64::from(difference.spans() as u32);
+                let first = -amplitude * time_s * libm::pow(libm::expm1(-tau / time_s), power);
+                Trend { first, decay: t0 / time_s }
+            }),
+            continuous: |_, _| None,
+            density: |_, _, _| None,
+            covariance: Covariance::Product(product_of_trends),
+            increment: |_, _, _| Increment::Other,
+            sources: |part, t0, _| {
+                vec![Source::Decay { reach: part.size * part.shape, decay: t0 / part.shape }]
+            },
+            turned: at_constant_rate,
+        },
+    )
 };
 
 #[cfg(test)]

@@ -35,8 +35,8 @@ use sagnac_kernel::navigation::{self, INCREMENT_BITS, WEIGHT_BITS};
 use sagnac_kernel::philox::{philox, schedule};
 use sagnac_kernel::recipe::Recipe;
 use sagnac_kernel::word::Scalar;
-use sagnac_theory::allan::terms::Term;
-use sagnac_theory::allan::{Estimator, FLAT_LEVEL, flicker};
+use sagnac_theory::allan::Estimator;
+use sagnac_theory::allan::terms::Source;
 use sagnac_theory::drift::Magnetic;
 use sagnac_theory::navigation::{self as closed, Error, Gyro, Weights, of_angles};
 use sagnac_theory::quantile::Radial;
@@ -333,10 +333,7 @@ impl PhysicalTheory {
     /// The theory of a point of a study with this seed.
     pub(crate) fn new(point: &Point, study: &Navigation, seed: u64) -> PhysicalTheory {
         let (sample_s, samples) = (point.inputs.sample(), point.inputs.samples());
-        let set = |set| {
-            let noise = drawn(point, study, seed, set);
-            Set { random: random(&noise, sample_s, samples), shared: shared(&noise, sample_s, samples) }
-        };
+        let set = |set| Set::new(&drawn(point, study, seed, set), sample_s, samples);
         PhysicalTheory { weights: point.inputs.weights(), sets: (0..study.draws).map(set).collect() }
     }
 
@@ -358,49 +355,45 @@ impl PhysicalTheory {
     }
 }
 
-/// The random parts.
-fn random(noise: &Noise, t0: f64, samples: u64) -> closed::Noise {
-    let root = libm::sqrt(t0);
-    let [b, _] = noise.of(Term::BiasInstability);
-    let variances = flicker::octaves(samples).and_then(flicker::variances).filter(|_| b != 0.0);
-    let octave = |v: f64| b * t0 * libm::sqrt(FLAT_LEVEL * v);
-    let shaped = |term: Term| Some(noise.of(term)).filter(|[size, _]| *size != 0.0);
-    let switching = noise.switched(t0);
-    closed::Noise {
-        errors: noise.of(Term::Quantization)[0],
-        white: noise.of(Term::AngleRandomWalk)[0] * root,
-        octaves: variances.into_iter().flatten().map(octave).collect(),
-        walk: noise.of(Term::RateRandomWalk)[0] * t0 * root,
-        markov: shaped(Term::Markov).map(|[sigma, time_s]| [sigma * t0, t0 / time_s]),
-        sine: shaped(Term::Sine).map(|[rate, hz]| [rate / (2.0 * PI * hz), hz * t0]),
-        jumps: switching.map(|one| {
+impl Set {
+    /// The parts of the generators that make this noise, and the mode switches.
+    fn new(noise: &Noise, t0: f64, samples: u64) -> Set {
+        let mut random = closed::Noise::default();
+        let (mut ramp, mut decays) = (0.0, Vec::new());
+        let join = |into: &mut f64, sigma: f64| *into = libm::hypot(*into, sigma);
+        for source in noise.process(t0, samples).parts.iter().flat_map(|part| part.sources(t0, samples)) {
+            match source {
+                Source::Errors(sigma) => join(&mut random.errors, sigma),
+                Source::White(sigma) => join(&mut random.white, sigma),
+                Source::Holds(sigmas) => random.octaves = sigmas,
+                Source::Walk(sigma) => join(&mut random.walk, sigma),
+                Source::Markov { sigma, decay } => random.markov = Some([sigma, decay]),
+                Source::Sine { amplitude, turns } => random.sine = Some([amplitude, turns]),
+                Source::Ramp(per_square) => ramp += per_square,
+                Source::Decay { reach, decay } => decays.push((reach, decay)),
+            }
+        }
+        let switching = noise.switched(t0);
+        random.jumps = switching.map(|one| {
             let variance = 0.5 * one.residual * one.residual + one.residual_noise * one.residual_noise;
             (one.interval as usize, variance)
-        }),
+        });
+        // The integral of e^{−decay·k} over a sample, which starts at decay·k = `passed`.
+        let decayed = |passed: f64, decay: f64| -libm::exp(-passed) * libm::expm1(-decay);
+        let increment = |sample: u64| {
+            let k = sample as f64;
+            let mut sum = ramp * (k + 0.5);
+            sum += decays.iter().map(|(reach, decay)| reach * decayed(decay * k, *decay)).sum::<f64>();
+            if let Some(one) = &switching {
+                let Magnetic { amplitude, time_s, initial } = one.magnetic;
+                let sign = if (sample / one.interval).is_multiple_of(2) { 1.0 } else { -1.0 };
+                let warming = time_s * decayed(t0 * k / time_s, t0 / time_s);
+                sum += sign * ((amplitude + initial) * t0 - amplitude * warming);
+            }
+            sum
+        };
+        Set { random, shared: (0..samples).map(increment).collect() }
     }
-}
-
-/// The increments that all records share, ″: each an integral of the rate over a sample.
-fn shared(noise: &Noise, t0: f64, samples: u64) -> Vec<f64> {
-    let [ramp, _] = noise.of(Term::RateRamp);
-    let [warm_up, time_s] = noise.of(Term::WarmUp);
-    let switching = noise.switched(t0);
-    // ∫ e^{−t/T} dt over the sample after `start`.
-    let decayed = |start: f64, time_s: f64| -time_s * libm::exp(-start / time_s) * libm::expm1(-t0 / time_s);
-    let increment = |k: u64| {
-        let start = t0 * k as f64;
-        let mut sum = ramp * t0 * (start + 0.5 * t0);
-        if warm_up != 0.0 {
-            sum += warm_up * decayed(start, time_s);
-        }
-        if let Some(one) = &switching {
-            let Magnetic { amplitude, time_s, initial } = one.magnetic;
-            let sign = if (k / one.interval).is_multiple_of(2) { 1.0 } else { -1.0 };
-            sum += sign * ((amplitude + initial) * t0 - amplitude * decayed(start, time_s));
-        }
-        sum
-    };
-    (0..samples).map(increment).collect()
 }
 
 /// Largest rounding of an angle common to all records, LSB: that of the angle, and that of the rate of a warm-up.

@@ -334,12 +334,12 @@ impl Model {
             mean_rate: if readout_lsb > 0.0 { mean_rate * t0 } else { 0.0 },
         };
         for part in &asked.process.parts {
-            let Row { key, size: (what, least), ref shape, sources, .. } = *part.term.row();
+            let Row { key, size: (what, least), ref shape, .. } = *part.term.row();
             at_least(key, what, part.size, least)?;
             if let Some(shape) = shape {
                 at_least(key, shape.what, part.shape, f64::MIN_POSITIVE)?;
             }
-            for source in sources(part, t0, asked.samples) {
+            for source in part.sources(t0, asked.samples) {
                 model.add(key, source)?;
             }
         }
