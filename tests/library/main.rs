@@ -47,6 +47,7 @@ mod record_theories;
 mod records;
 mod relock;
 mod spectrum;
+mod steps;
 mod switched_run;
 mod temperature;
 mod theories;

@@ -4,8 +4,8 @@ use std::slice;
 
 use sagnac_base::progress::Silent;
 use sagnac_engine::device::{Cpu, Device};
-use sagnac_engine::run::Plan;
-use sagnac_engine::store::Store;
+use sagnac_engine::run::{Budget, Plan, Worker};
+use sagnac_engine::store::{Provenance, Store};
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::Share;
 use sagnac_engine::verify;
@@ -44,7 +44,23 @@ fn points_of(text: &str, trials: u64) -> Result<Vec<u8>, String> {
     let plan = Plan::new(&study).map_err(|error| format!("{error:?}"))?;
     let mut store = Store::in_memory(&plan.identity());
     let cpu = Cpu::new(Width::PORTABLE, 1).map_err(|error| error.to_string())?;
-    plan.run(&mut store, &mut Device::Cpu(cpu), Share::WHOLE, &Silent).map_err(|error| error.to_string())?;
+    // A page takes the steps of a run by itself.
+    let mut device = Device::Cpu(cpu);
+    let mut worker = Worker::new(&mut device, &Silent);
+    let mut steps = plan.steps(&store, Share::WHOLE).map_err(|error| error.to_string())?;
+    let (budget, mut trials) = (Budget { steps: 1 << 20, records: 1 }, 0);
+    loop {
+        while let Some(batch) = steps.next(budget).map_err(|error| format!("{error:?}"))? {
+            let results = batch.make(&mut worker, &|_| ()).map_err(|error| error.to_string())?;
+            trials += batch.trials();
+            let made = Provenance { device: "WebAssembly".to_owned(), trials, seconds: 0.0 };
+            batch.put(results, &mut store, &made).map_err(|error| error.to_string())?;
+        }
+        if !steps.more(&store).map_err(|error| error.to_string())? {
+            break;
+        }
+    }
+    plan.keep(&mut store, Share::WHOLE).map_err(|error| error.to_string())?;
     let tables = plan.tables(&store, &Silent).map_err(|error| error.to_string())?;
     let mut csv = vec![];
     tables.points.write_csv(&mut csv).map_err(|error| error.to_string())?;

@@ -4,8 +4,10 @@
 use std::collections::HashSet;
 
 use crate::device::Device;
-use crate::sampling::{self, Worker};
-pub use crate::sampling::{RunError, RunStats, Tables};
+use crate::sampling;
+use crate::sampling::batches::drive;
+pub use crate::sampling::batches::{Batch, Budget, Steps};
+pub use crate::sampling::{RunError, RunStats, Tables, Worker};
 use crate::store::error::StoreError;
 #[cfg(feature = "store")]
 use crate::store::folder::{Folder, FolderError, Written};
@@ -87,8 +89,30 @@ impl<'a> Plan<'a> {
         progress: &dyn Progress,
     ) -> Result<RunStats, RunError> {
         let mut worker = Worker::new(device, progress);
-        let done = self.work.run(store, &mut worker, share, progress)?;
+        let mut steps = self.steps(store, share)?;
+        let done = drive(&mut *steps, store, &mut worker, progress)?;
+        if !done.stopped {
+            self.keep(store, share)?;
+        }
         Ok(RunStats { degraded: worker.into_notes(), ..done })
+    }
+
+    /// The steps of [`run`](Plan::run), for a driver of its own, such as a page in a browser: it takes batches by
+    /// [`Steps::next`], puts their results into the store by [`Batch::put`], and ends with [`keep`](Plan::keep). Nothing of
+    /// the results depends on the driver.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn steps<'p>(&'p self, store: &Store, share: Share) -> Result<Box<dyn Steps + 'p>, StoreError> {
+        self.work.steps(store, share)
+    }
+
+    /// Stores what a share keeps besides tallies, after all its steps.
+    ///
+    /// # Errors
+    /// The disk fails.
+    pub fn keep(&self, store: &mut Store, share: Share) -> Result<(), RunError> {
+        self.work.keep(store, share)
     }
 
     /// Whether the number of sampled trials exceeds that of all points together. This happens because estimates of a
@@ -102,7 +126,9 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        self.work.lacks(store, share)
+        let mut steps = self.steps(store, share)?;
+        while steps.missing_trials() == 0 && steps.more(store)? {}
+        Ok(steps.missing_trials() + self.work.lacks_kept(store, share)?)
     }
 
     /// Number of steps of one trial of every point; `None` where records are sampled instead of trials, or nothing.

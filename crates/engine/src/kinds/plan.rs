@@ -8,15 +8,14 @@ use rayon::prelude::*;
 
 use crate::key::sweep::{Sweep, Swept};
 use crate::key::{Streams, Unrepresentable};
-use crate::sampling::batches::{Records, Wanted, Work, held_by_all, lacking, sample};
-use crate::sampling::{Plan, RunError, RunStats, Tables, Worker};
+use crate::sampling::batches::{Batch, Budget, Records, Steps, Trials, Wanted, Work, held_by_all, lacking};
+use crate::sampling::{Plan, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Index, Store};
 use crate::study::Study;
 use crate::tally::{Block, Id, Share, base_log2, row_log2};
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
-use sagnac_base::stopwatch::Stopwatch;
 use sagnac_base::table::cells::Growing;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cells, Column, ColumnOf, Role, Table};
@@ -227,49 +226,23 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     }
 }
 
-impl<S: fmt::Debug, L: Launched> Plan for PointsPlan<'_, S, L>
+impl<S: fmt::Debug + Sync, L: Launched> Plan for PointsPlan<'_, S, L>
 where
     Self: Tabulated,
 {
-    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials, and at least 1024 trials, when all
-    /// its errors have the requested precision. The rule depends on the study only. The estimates of a point keep the
-    /// same trials, so that they are compared on the same draws. A share does not know the others and takes all its
-    /// trials.
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError> {
-        let mut wanted = self.first_wanted(share);
-        let (started, mut trials) = (Stopwatch::start(), 0);
-        let stopped = loop {
-            let missing = self.missing(store, &wanted, share)?;
-            let left: u64 = missing.iter().map(Work::trials).sum();
-            let all = self.launched_trials(&wanted, share).max(left);
-            progress.start("trials", all - left, all);
-            let sampled = sample(&missing, trials, store, worker, progress, started)?;
-            trials += sampled;
-            if sampled < left || !self.decides(share) || !self.raise(&mut wanted, store)? {
-                break sampled < left;
-            }
-        };
-        if !stopped {
-            self.keep(store, share)?;
-        }
-        Ok(RunStats { trials, seconds: started.seconds(), stopped, degraded: vec![] })
+    fn steps<'p>(&'p self, store: &Store, share: Share) -> Result<Box<dyn Steps + 'p>, StoreError> {
+        let (wanted, trials) = (self.first_wanted(share), Trials::default());
+        let mut steps = PointsSteps { plan: self, share, wanted, trials, all: 0 };
+        steps.begin(store)?;
+        Ok(Box::new(steps))
     }
 
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        let mut wanted = self.first_wanted(share);
-        loop {
-            let work = self.missing(store, &wanted, share)?;
-            let left: u64 = work.iter().map(Work::trials).sum();
-            if left > 0 || !self.decides(share) || !self.raise(&mut wanted, store)? {
-                return Ok(left + self.lacks_kept(store, share)?);
-            }
-        }
+    fn keep(&self, store: &mut Store, share: Share) -> Result<(), RunError> {
+        Tabulated::keep(self, store, share)
+    }
+
+    fn lacks_kept(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        Tabulated::lacks_kept(self, store, share)
     }
 
     fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
@@ -309,6 +282,61 @@ where
     fn surplus(&self) -> &'static str {
         let replays = self.points.iter().any(|point| point.trials(1) > 1);
         if replays { "whole replays of the record" } else { "the folder holds them already" }
+    }
+}
+
+/// The steps of a plan of points.
+///
+/// With a precision, a point stops after 1, 2, 4, … base blocks of trials, and at least 1024 trials, when all its errors have the
+/// requested precision. The rule depends on the study only. The estimates of a point keep the same trials, so that they are
+/// compared on the same draws. A share does not know the others and takes all its trials.
+struct PointsSteps<'p, 'a, S, L> {
+    plan: &'p PointsPlan<'a, S, L>,
+    share: Share,
+    /// The trials of each point after which this round ends.
+    wanted: Vec<u64>,
+    trials: Trials<'p>,
+    /// Trials of all launches up to there.
+    all: u64,
+}
+
+impl<S, L: Launched> PointsSteps<'_, '_, S, L> {
+    /// Begins a round with what the store lacks of the wanted trials.
+    fn begin(&mut self, store: &Store) -> Result<(), StoreError> {
+        self.trials = Trials::new(self.plan.missing(store, &self.wanted, self.share)?);
+        self.all = self.plan.launched_trials(&self.wanted, self.share);
+        Ok(())
+    }
+}
+
+impl<'a, S: Sync, L: Launched> Steps for PointsSteps<'_, 'a, S, L>
+where
+    PointsPlan<'a, S, L>: Tabulated,
+{
+    fn unit(&self) -> &'static str {
+        "trials"
+    }
+
+    fn amounts(&self) -> [u64; 2] {
+        let left = self.trials.missing();
+        let all = self.all.max(left);
+        [all - left, all]
+    }
+
+    fn missing_trials(&self) -> u64 {
+        self.trials.missing()
+    }
+
+    fn next(&mut self, budget: Budget) -> Result<Option<Batch>, Unrepresentable> {
+        self.trials.next(budget.steps)
+    }
+
+    fn more(&mut self, store: &Store) -> Result<bool, StoreError> {
+        let goes_on = self.plan.decides(self.share) && self.plan.raise(&mut self.wanted, store)?;
+        if goes_on {
+            self.begin(store)?;
+        }
+        Ok(goes_on)
     }
 }
 
@@ -357,7 +385,7 @@ pub(crate) struct RecordsPlan<'a, S, L> {
     pub(crate) records: Vec<Records>,
 }
 
-impl<'a, S, L: Send> RecordsPlan<'a, S, L>
+impl<'a, S: Sync, L: Send + Sync> RecordsPlan<'a, S, L>
 where
     Self: TabulatedRecords,
 {
@@ -388,35 +416,24 @@ where
 
     /// The records of each point that the study wants.
     fn wanted(&self) -> Wanted<'_> {
+        let of_point = (self.records.len() / self.points.len().max(1)).max(1);
         Wanted {
             trials: self.study.trials.div_ceil(self.sets()),
             records: &self.records,
-            of_point: (self.records.len() / self.points.len().max(1)).max(1),
+            of_point,
             recipes: Box::new(|point| self.recipes(point)),
+            // A trial has a record of each kind.
+            of_trial: (of_point as u64 / self.sets()).max(1),
         }
     }
 }
 
-impl<S: fmt::Debug, L: fmt::Debug + Send> Plan for RecordsPlan<'_, S, L>
+impl<S: fmt::Debug + Sync, L: fmt::Debug + Send + Sync> Plan for RecordsPlan<'_, S, L>
 where
     Self: TabulatedRecords,
 {
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError> {
-        let wanted = self.wanted();
-        let done = wanted.sample(store, worker, share, progress)?;
-        // A trial has a record of each kind.
-        let of_trial = (wanted.of_point as u64 / self.sets()).max(1);
-        Ok(RunStats { trials: done.trials / of_trial, ..done })
-    }
-
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        self.wanted().lacks(store, share)
+    fn steps<'p>(&'p self, store: &Store, share: Share) -> Result<Box<dyn Steps + 'p>, StoreError> {
+        Ok(Box::new(self.wanted().steps(store, share)?))
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
@@ -451,12 +468,8 @@ where
 pub(crate) struct ClosedFormPlan(pub(crate) Table);
 
 impl Plan for ClosedFormPlan {
-    fn run(&self, _: &mut Store, _: &mut Worker, _: Share, _: &dyn Progress) -> Result<RunStats, RunError> {
-        Ok(RunStats { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
-    }
-
-    fn lacks(&self, _: &Store, _: Share) -> Result<u64, StoreError> {
-        Ok(0)
+    fn steps<'p>(&'p self, _: &Store, _: Share) -> Result<Box<dyn Steps + 'p>, StoreError> {
+        Ok(Box::new(NoSteps))
     }
 
     fn tables(&self, _: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
@@ -477,6 +490,27 @@ impl Plan for ClosedFormPlan {
 
     fn all_trials(&self) -> u64 {
         u64::MAX
+    }
+}
+
+/// The steps of closed forms, of which there are none.
+struct NoSteps;
+
+impl Steps for NoSteps {
+    fn unit(&self) -> &'static str {
+        "trials"
+    }
+
+    fn amounts(&self) -> [u64; 2] {
+        [0, 0]
+    }
+
+    fn missing_trials(&self) -> u64 {
+        0
+    }
+
+    fn next(&mut self, _: Budget) -> Result<Option<Batch>, Unrepresentable> {
+        Ok(None)
     }
 }
 

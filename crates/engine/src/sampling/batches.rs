@@ -1,6 +1,6 @@
-//! Sampling of the trials and records that the store lacks, batch by batch; a batch is stored while the device works on the next.
+//! The trials and records that a store lacks, in batches, and their sampling.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::ops::Range;
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use std::thread;
 
 use rayon::prelude::*;
 
-use crate::device::Job;
+use crate::device::{Advance, GpuError, Job, Tallies};
 use crate::key::Unrepresentable;
 use crate::sampling::{Found, RunError, RunStats, Worker};
 use crate::store::error::StoreError;
-use crate::store::{Address, Index, Provenance, Row, Store, Tally};
+use crate::store::{Address, Index, Provenance, Row, Store};
 use crate::tally::{Block, Share, base_log2, cover, fold, missing};
 use sagnac_base::progress::Progress;
 use sagnac_base::stopwatch::Stopwatch;
@@ -107,105 +107,288 @@ pub(crate) fn estimates<T: Sync>(
     })
 }
 
-/// Samples all of `work` in batches, each of which is stored as soon as it is complete, until `progress` stops it.
-/// Returns the number of trials sampled. The run started at `started` and had sampled `before` trials.
-pub(crate) fn sample(
-    work: &[Work],
-    before: u64,
+/// What a run is before a device makes it: the batches that a store lacks, in rounds.
+///
+/// A driver takes a batch by [`next`](Steps::next), lets a device make it, puts the results into the store, and takes the next one.
+/// It may take the next batch before. After the last batch of a round it asks for [`more`](Steps::more).
+pub trait Steps: Send {
+    /// The amount of this round that was done before it began, and its whole amount, as [`Batch::amount`] counts them.
+    fn amounts(&self) -> [u64; 2];
+
+    /// Number of trials that this round lacks.
+    fn missing_trials(&self) -> u64;
+
+    /// The next batch of this round.
+    ///
+    /// # Errors
+    /// A point is refused that was proven to fit, which is a fault of the program.
+    fn next(&mut self, budget: Budget) -> Result<Option<Batch>, Unrepresentable>;
+
+    /// Begins the next round, where the results of all batches are in the store. Returns whether there is one.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn more(&mut self, _store: &Store) -> Result<bool, StoreError> {
+        Ok(false)
+    }
+
+    /// What [`Batch::amount`] counts.
+    fn unit(&self) -> &'static str;
+
+    /// Number of records that make a trial.
+    fn records_of_a_trial(&self) -> u64 {
+        1
+    }
+}
+
+/// About how much a batch has.
+#[derive(Debug, Clone, Copy)]
+pub struct Budget {
+    /// Steps of trials, or samples of records.
+    pub steps: u64,
+    /// The least number of records, which a device makes in parallel.
+    pub records: u64,
+}
+
+/// A part of what a store lacks, which refers to nothing else.
+#[derive(Debug)]
+pub enum Batch {
+    /// Blocks of trials of launches.
+    Trials(Vec<Task>),
+    /// Consecutive records.
+    Records(RecordsTask),
+}
+
+/// A block of the trials of a launch.
+#[derive(Debug, Clone)]
+pub struct Task {
+    addressed: Arc<Addressed>,
+    block: Block,
+}
+
+/// Consecutive records of a point.
+#[derive(Debug, Clone)]
+pub struct RecordsTask {
+    recipe: Arc<dyn Recorded>,
+    of: Records,
+    records: Range<u64>,
+    /// log2 of the most records of a row of the store.
+    largest: u32,
+}
+
+/// The results of a batch.
+#[derive(Debug)]
+pub enum Results {
+    /// Those of trials: for each task a tally of each of its estimates.
+    Tallies(Tallies),
+    /// Those of records: their sums, record by record.
+    Sums(Vec<u128>),
+}
+
+impl Batch {
+    /// Number of trials or records.
+    pub fn trials(&self) -> u64 {
+        match self {
+            Batch::Trials(tasks) => tasks.iter().map(|task| task.block.trials()).sum(),
+            Batch::Records(task) => task.records.end - task.records.start,
+        }
+    }
+
+    /// Number of trials, or of samples of records.
+    pub fn amount(&self) -> u64 {
+        match self {
+            Batch::Trials(_) => self.trials(),
+            Batch::Records(task) => self.trials() * task.of.samples,
+        }
+    }
+
+    /// Lets a device make the batch. `advance` receives parts of its [`amount`](Batch::amount) as they complete.
+    ///
+    /// # Errors
+    /// The device fails, and no threads can be started for the processor to replace it.
+    pub fn make(&self, worker: &mut Worker, advance: Advance) -> Result<Results, GpuError> {
+        match self {
+            Batch::Trials(tasks) => {
+                let jobs = tasks.iter().map(|task| Job { launch: &task.addressed.0, block: task.block });
+                let jobs: Vec<Job> = jobs.collect();
+                Ok(Results::Tallies(worker.tally(&jobs, advance)?))
+            }
+            Batch::Records(RecordsTask { recipe, of, records, .. }) => {
+                let advance = |records| advance(records * of.samples);
+                Ok(Results::Sums(worker.sums(&**recipe, records.clone(), &advance)?))
+            }
+        }
+    }
+
+    /// Puts the results of the batch into a store, with how they and those before were made.
+    ///
+    /// # Errors
+    /// The disk fails.
+    pub fn put(&self, results: Results, store: &mut Store, made: &Provenance) -> Result<(), StoreError> {
+        match (self, results) {
+            (Batch::Trials(tasks), Results::Tallies(tallies)) => {
+                let rows = tasks.iter().zip(tallies).flat_map(|(task, tallies)| {
+                    let addressed = task.addressed.1.iter().zip(tallies);
+                    let block = task.block;
+                    addressed.map(move |(&address, tally)| Row { address, block, tally })
+                });
+                store.insert(&rows.collect::<Vec<Row<Moments>>>(), Some(made))
+            }
+            (Batch::Records(task), Results::Sums(sums)) => {
+                store.insert(&task.of.rows(task.records.clone(), task.largest, &sums), Some(made))
+            }
+            _ => unreachable!("a batch of trials has tallies, and one of records has sums"),
+        }
+    }
+}
+
+/// Takes all steps, round by round, until `progress` stops them. A batch is stored on a thread of its own, while the device makes
+/// the next one and the points of the one after that are lowered.
+///
+/// # Errors
+/// The disk or the device fails; all batches that were made before are stored.
+pub(crate) fn drive(
+    steps: &mut dyn Steps,
     store: &mut Store,
     worker: &mut Worker,
     progress: &dyn Progress,
-    started: Stopwatch,
-) -> Result<u64, RunError> {
-    let mut rest: Vec<Piece> = work
-        .iter()
-        .flat_map(|work| {
-            let log2 = MAX_STEPS_LOG2.saturating_sub(work.steps.ilog2());
-            let blocks = work.blocks.iter().flat_map(move |block| cover(block.first..block.end(), log2));
-            blocks.map(move |block| (work, block))
-        })
-        .collect();
-    interleave(&mut rest);
-    rest.reverse();
-    let (mut steps, mut sampled) = (worker.first_batch(), 0);
-    let mut launches = Launches::default();
-    while_storing(store, |stored| {
-        let mut next = (take_batch(&mut rest, steps), steps);
-        let mut made = launches.of(&next.0);
-        while !next.0.is_empty() && !progress.stops() {
-            let batch_started = Stopwatch::start();
-            let of_batch = made?;
-            let (batch, batch_steps) = std::mem::replace(&mut next, (take_batch(&mut rest, steps), steps));
-            made = Ok(vec![]);
-            // While the device samples a batch, the points of the next one are lowered.
-            let results = rayon::in_place_scope(|scope| {
-                scope.spawn(|_| made = launches.of(&next.0));
-                let pieces = batch.iter().zip(&of_batch);
-                let jobs: Vec<Job> =
-                    pieces.map(|(&(_, block), made)| Job { launch: &made.0, block }).collect();
-                worker.tally(&jobs, &|trials| progress.advance(trials))
-            })?;
-            let rows: Vec<Row<Moments>> = batch
-                .iter()
-                .zip(&of_batch)
-                .zip(results)
-                .flat_map(|((&(_, block), made), tallies)| {
-                    let addressed = made.1.iter().zip(tallies);
-                    addressed.map(move |(&address, tally)| Row { address, block, tally })
-                })
-                .collect();
-            sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
-            let (trials, seconds) = (before + sampled, started.seconds());
-            if !stored(rows, Provenance { device: worker.name(), trials, seconds }) {
-                break;
+) -> Result<RunStats, RunError> {
+    let (started, mut trials) = (Stopwatch::start(), 0);
+    let stopped = loop {
+        let [done, all] = steps.amounts();
+        progress.start(steps.unit(), done, all);
+        let is_complete = while_storing(store, |stored| {
+            let mut budget = Budget { steps: worker.first_batch(), records: worker.records_at_once() };
+            let mut next = steps.next(budget)?.map(|batch| (batch, budget.steps));
+            while let Some((batch, batch_steps)) = next {
+                if progress.stops() {
+                    return Ok(false);
+                }
+                let (batch_started, mut following) = (Stopwatch::start(), Ok(None));
+                let results = rayon::in_place_scope(|scope| {
+                    scope.spawn(|_| following = steps.next(budget));
+                    batch.make(worker, &|amount| progress.advance(amount))
+                })?;
+                trials += batch.trials();
+                let made = Provenance { device: worker.name(), trials, seconds: started.seconds() };
+                if !stored((batch, results, made)) {
+                    return Ok(false);
+                }
+                next = following?.map(|batch| (batch, budget.steps));
+                let factor = (BATCH_SECONDS / batch_started.seconds().max(1e-3)).clamp(0.25, 4.0);
+                budget.steps = ((batch_steps as f64 * factor) as u64).max(1);
             }
-            let factor = (BATCH_SECONDS / batch_started.seconds().max(1e-3)).clamp(0.25, 4.0);
-            steps = ((batch_steps as f64 * factor) as u64).max(1);
+            Ok(true)
+        })?;
+        if !is_complete || !steps.more(store)? {
+            break !is_complete;
         }
-        Ok(sampled)
+    };
+    let trials = trials / steps.records_of_a_trial();
+    Ok(RunStats { trials, seconds: started.seconds(), stopped, degraded: vec![] })
+}
+
+/// A batch with its results and how they were made.
+type Made = (Batch, Results, Provenance);
+
+/// Runs `sample`, whose batches are stored on a thread of their own, and returns when all are stored. Each is handed over after
+/// the one before is stored; `false` is returned for one that could not be stored.
+///
+/// # Errors
+/// A batch cannot be stored, or `sample` fails; all that it handed over before are stored.
+fn while_storing<R>(
+    store: &mut Store,
+    sample: impl FnOnce(&mut dyn FnMut(Made) -> bool) -> Result<R, RunError>,
+) -> Result<R, RunError> {
+    let mut put = |(batch, results, made): Made| batch.put(results, store, &made);
+    if cfg!(target_family = "wasm") {
+        // A page has no threads.
+        let mut stored = Ok(());
+        let sampled = sample(&mut |made| {
+            stored = put(made);
+            stored.is_ok()
+        });
+        return stored.map_err(RunError::from).and(sampled);
+    }
+    thread::scope(|scope| {
+        // A channel without room: a batch waits while the one before is stored, and no third one is begun.
+        let (sender, receiver) = sync_channel(0);
+        let stored = scope.spawn(move || receiver.into_iter().try_for_each(put));
+        let sampled = sample(&mut |made| sender.send(made).is_ok());
+        drop(sender);
+        stored.join().unwrap_or_else(|panic| resume_unwind(panic))?;
+        sampled
     })
 }
 
-/// A block of some work.
-type Piece<'a> = (&'a Work<'a>, Block);
-
-/// Identifies work.
-fn place(work: &Work) -> usize {
-    std::ptr::from_ref(work).addr()
-}
-
-/// The launches of the last batches by the places of their work, at most as many as a batch has jobs.
+/// The trials that a store lacks of launches, in batches.
 #[derive(Default)]
-struct Launches {
-    made: HashMap<usize, Arc<Addressed>>,
+pub(crate) struct Trials<'a> {
+    work: Vec<Work<'a>>,
+    /// The blocks that are left, each with the place of its work, the next one at the end.
+    rest: Vec<(usize, Block)>,
+    /// The launches of the last batches by the places of their work, at most as many as a batch has jobs.
+    launches: HashMap<usize, Arc<Addressed>>,
 }
 
-impl Launches {
-    /// The launch of each piece of a batch. Those that the batches before did not need are made.
+impl<'a> Trials<'a> {
+    pub(crate) fn new(work: Vec<Work<'a>>) -> Trials<'a> {
+        let blocks = |(place, work): (usize, &Work)| {
+            let log2 = MAX_STEPS_LOG2.saturating_sub(work.steps.ilog2());
+            let blocks = work.blocks.iter().flat_map(|block| cover(block.first..block.end(), log2));
+            blocks.map(|block| (place, block)).collect::<Vec<_>>()
+        };
+        let mut rest: Vec<(usize, Block)> = work.iter().enumerate().flat_map(blocks).collect();
+        interleave(&mut rest);
+        rest.reverse();
+        Trials { work, rest, launches: HashMap::new() }
+    }
+
+    /// Number of missing trials.
+    pub(crate) fn missing(&self) -> u64 {
+        self.work.iter().map(Work::trials).sum()
+    }
+
+    /// The next batch of about so many steps, with at least one block.
     ///
     /// # Errors
-    /// A point is refused, which a run has proven to fit.
-    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Unrepresentable> {
-        let mut missing = HashSet::new();
-        let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
-        let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
-        if self.made.len() + new.len() > MAX_JOBS {
-            let needed: HashSet<usize> = batch.iter().map(|(work, _)| place(work)).collect();
-            self.made.retain(|work, _| needed.contains(work));
+    /// A point is refused.
+    pub(crate) fn next(&mut self, steps: u64) -> Result<Option<Batch>, Unrepresentable> {
+        let (mut batch, mut taken) = (Vec::new(), 0);
+        let of = |(place, block): &(usize, Block)| block.trials() * self.work[*place].steps;
+        while batch.len() < MAX_JOBS
+            && let Some(next) = self.rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)
+        {
+            taken += of(&next);
+            batch.push(next);
         }
-        let launch = |work: &&Work| Ok((place(work), Arc::new((work.launch)()?)));
-        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Unrepresentable>>()?);
-        Ok(batch.iter().map(|(work, _)| self.made[&place(work)].clone()).collect())
+        self.make_launches(&batch)?;
+        let task = |(place, block)| Task { addressed: self.launches[&place].clone(), block };
+        Ok((!batch.is_empty()).then(|| Batch::Trials(batch.into_iter().map(task).collect())))
+    }
+
+    /// Makes the launches of a batch that the batches before did not need.
+    fn make_launches(&mut self, batch: &[(usize, Block)]) -> Result<(), Unrepresentable> {
+        let mut missing = HashSet::new();
+        let is_new = |place: &usize| !self.launches.contains_key(place) && missing.insert(*place);
+        let new: Vec<usize> = batch.iter().map(|(place, _)| *place).filter(is_new).collect();
+        if self.launches.len() + new.len() > MAX_JOBS {
+            let needed: HashSet<usize> = batch.iter().map(|(place, _)| *place).collect();
+            self.launches.retain(|place, _| needed.contains(place));
+        }
+        let launch = |&place: &usize| Ok((place, Arc::new((self.work[place].launch)()?)));
+        let made = new.par_iter().map(launch).collect::<Result<Vec<_>, Unrepresentable>>()?;
+        self.launches.extend(made);
+        Ok(())
     }
 }
 
 /// Interleaves the blocks of all work, each work in its own order. The work done so far is then representative of the
 /// rest, even where trials of different points take different times, and a run that ends early has some trials of every
 /// point.
-fn interleave(rest: &mut Vec<Piece>) {
-    let same = |a: &Piece, b: &Piece| std::ptr::eq(a.0, b.0);
-    let mut placed: Vec<(f64, Piece)> = Vec::with_capacity(rest.len());
-    for group in rest.chunk_by(same) {
+fn interleave(rest: &mut Vec<(usize, Block)>) {
+    let mut placed: Vec<(f64, (usize, Block))> = Vec::with_capacity(rest.len());
+    for group in rest.chunk_by(|a, b| a.0 == b.0) {
         let trials: u64 = group.iter().map(|(_, block)| block.trials()).sum();
         let mut before = 0;
         for one in group {
@@ -215,51 +398,6 @@ fn interleave(rest: &mut Vec<Piece>) {
     }
     placed.sort_by(|a, b| a.0.total_cmp(&b.0));
     *rest = placed.into_iter().map(|(_, block)| block).collect();
-}
-
-/// The next blocks, of `steps` steps together, but at least one block.
-fn take_batch<'a>(rest: &mut Vec<Piece<'a>>, steps: u64) -> Vec<Piece<'a>> {
-    let of = |(work, block): &Piece| block.trials() * work.steps;
-    let (mut batch, mut taken) = (Vec::new(), 0);
-    while batch.len() < MAX_JOBS
-        && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)
-    {
-        taken += of(&next);
-        batch.push(next);
-    }
-    batch
-}
-
-/// Stores the rows of a batch after those of the batch before. Returns whether to go on: not after rows could not be stored.
-pub(crate) type Storing<'a, T> = &'a mut dyn FnMut(Vec<Row<T>>, Provenance) -> bool;
-
-/// Runs `sample`, whose rows are stored on a thread of their own, and returns when all are stored.
-///
-/// # Errors
-/// Rows cannot be stored, or `sample` fails; all rows that it handed over before are stored.
-fn while_storing<T: Tally + Send, R>(
-    store: &mut Store,
-    sample: impl FnOnce(Storing<T>) -> Result<R, RunError>,
-) -> Result<R, RunError> {
-    let mut insert = |(rows, so_far): (Vec<Row<T>>, Provenance)| store.insert(&rows, Some(&so_far));
-    if cfg!(target_family = "wasm") {
-        // A page has no threads.
-        let mut stored = Ok(());
-        let sampled = sample(&mut |rows, so_far| {
-            stored = insert((rows, so_far));
-            stored.is_ok()
-        });
-        return stored.map_err(RunError::from).and(sampled);
-    }
-    thread::scope(|scope| {
-        // A channel without room: a batch waits while the one before is stored, and no third one is begun.
-        let (sender, receiver) = sync_channel(0);
-        let stored = scope.spawn(move || receiver.into_iter().try_for_each(insert));
-        let sampled = sample(&mut |rows, so_far| sender.send((rows, so_far)).is_ok());
-        drop(sender);
-        stored.join().unwrap_or_else(|panic| resume_unwind(panic))?;
-        sampled
-    })
 }
 
 /// The records of a point, as far as the store needs to know them.
@@ -274,7 +412,8 @@ pub(crate) struct Records {
 }
 
 /// Makes the recipes of the records of a point.
-pub(crate) type Recipes<'a> = Box<dyn Fn(usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable> + 'a>;
+pub(crate) type Recipes<'a> =
+    Box<dyn Fn(usize) -> Result<Vec<Arc<dyn Recorded>>, Unrepresentable> + Send + 'a>;
 
 /// The records of all points of a study.
 pub(crate) struct Wanted<'a> {
@@ -286,9 +425,24 @@ pub(crate) struct Wanted<'a> {
     pub(crate) of_point: usize,
     /// The recipes of a point. They are made once for all of its records, because their tables may be large.
     pub(crate) recipes: Recipes<'a>,
+    /// Number of records that make a trial.
+    pub(crate) of_trial: u64,
 }
 
-impl Wanted<'_> {
+/// The records that a store lacks, in batches.
+pub(crate) struct RecordsSteps<'a> {
+    wanted: Wanted<'a>,
+    /// The missing records, each range with the place of its records.
+    rest: VecDeque<(usize, Range<u64>)>,
+    /// Missing samples, and all of the share.
+    samples: [u64; 2],
+    /// Missing records.
+    missing: u64,
+    /// The recipes of the point of the last batch.
+    recipes: Option<(usize, Vec<Arc<dyn Recorded>>)>,
+}
+
+impl<'a> Wanted<'a> {
     /// The points in order, without those whose draws and sums are the same as those of an earlier one.
     fn distinct(&self) -> impl Iterator<Item = (usize, &Records)> {
         let is_first = |(turn, records): &(usize, &Records)| {
@@ -297,73 +451,69 @@ impl Wanted<'_> {
         self.records.iter().enumerate().filter(is_first)
     }
 
-    /// The records that the store lacks of a share, each with the place of its point.
-    fn missing(&self, store: &Store, share: Share) -> Result<Vec<(usize, Range<u64>)>, StoreError> {
+    /// The records that the store lacks of a share.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub(crate) fn steps(self, store: &Store, share: Share) -> Result<RecordsSteps<'a>, StoreError> {
         let index = store.index()?;
-        let mut lacking = Vec::new();
+        let (mut rest, mut samples, mut missing_records) = (VecDeque::new(), [0, 0], 0);
         for (turn, records) in self.distinct() {
-            let gaps = missing(index.blocks(&records.address)?, share.trials(self.trials, turn));
-            lacking.extend(gaps.into_iter().map(|gap| (turn, gap)));
-        }
-        Ok(lacking)
-    }
-
-    /// Number of records that the store lacks of a share.
-    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
-    }
-
-    /// Makes the records that the store lacks of a share. Each batch is stored as soon as it is complete.
-    pub(crate) fn sample(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError> {
-        let (trials, started) = (self.trials, Stopwatch::start());
-        let lacking = self.missing(store, share)?;
-        let samples = |turn: usize, gap: Range<u64>| (gap.end - gap.start) * self.records[turn].samples;
-        let left: u64 = lacking.iter().map(|(turn, gap)| samples(*turn, gap.clone())).sum();
-        let all = self.distinct().map(|(turn, _)| samples(turn, share.trials(trials, turn)));
-        let total = all.sum::<u64>().max(left);
-        progress.start("samples", total - left, total);
-        let (mut batch_samples, mut made, mut stopped) = (worker.first_batch(), 0, false);
-        while_storing(store, |stored| {
-            let (mut recipes, mut of) = (vec![], None);
-            'points: for (turn, gap) in lacking {
-                if of.replace(turn / self.of_point) != Some(turn / self.of_point) {
-                    recipes = (self.recipes)(turn / self.of_point)?;
-                }
-                let recipe: &Arc<dyn Recorded> = &recipes[turn % self.of_point];
-                let point = &self.records[turn];
-                let mut first = gap.start;
-                while first < gap.end {
-                    stopped = progress.stops();
-                    if stopped {
-                        break 'points;
-                    }
-                    let batch_started = Stopwatch::start();
-                    let records = (batch_samples / point.samples).max(worker.records_at_once());
-                    // Whole blocks where a batch contains some, smaller ones for very long records.
-                    let align = 1 << base_log2(trials).min(records.ilog2());
-                    let batch = first..gap.end.min((first + records).next_multiple_of(align));
-                    let advance = |records| progress.advance(records * point.samples);
-                    let sums = worker.sums(&**recipe, batch.clone(), &advance)?;
-                    made += batch.end - batch.start;
-                    first = batch.end;
-                    let seconds = started.seconds();
-                    let so_far = Provenance { device: worker.name(), trials: made, seconds };
-                    if !stored(point.rows(batch, base_log2(trials), &sums), so_far) {
-                        break 'points;
-                    }
-                    let factor = BATCH_SECONDS / batch_started.seconds().max(1e-3);
-                    batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
-                }
+            let trials = share.trials(self.trials, turn);
+            samples[1] += (trials.end - trials.start) * records.samples;
+            for gap in missing(index.blocks(&records.address)?, trials) {
+                samples[0] += (gap.end - gap.start) * records.samples;
+                missing_records += gap.end - gap.start;
+                rest.push_back((turn, gap));
             }
-            Ok(())
-        })?;
-        Ok(RunStats { trials: made, seconds: started.seconds(), stopped, degraded: vec![] })
+        }
+        samples[1] = samples[1].max(samples[0]);
+        Ok(RecordsSteps { wanted: self, rest, samples, missing: missing_records, recipes: None })
+    }
+}
+
+impl RecordsSteps<'_> {
+    fn recipe(&mut self, turn: usize) -> Result<Arc<dyn Recorded>, Unrepresentable> {
+        let (point, place) = (turn / self.wanted.of_point, turn % self.wanted.of_point);
+        let recipes = match self.recipes.take() {
+            Some((of, recipes)) if of == point => recipes,
+            _ => (self.wanted.recipes)(point)?,
+        };
+        let (_, recipes) = self.recipes.insert((point, recipes));
+        Ok(recipes[place].clone())
+    }
+}
+
+impl Steps for RecordsSteps<'_> {
+    fn unit(&self) -> &'static str {
+        "samples"
+    }
+
+    fn amounts(&self) -> [u64; 2] {
+        let [left, all] = self.samples;
+        [all - left, all]
+    }
+
+    fn missing_trials(&self) -> u64 {
+        self.missing
+    }
+
+    fn records_of_a_trial(&self) -> u64 {
+        self.wanted.of_trial
+    }
+
+    fn next(&mut self, budget: Budget) -> Result<Option<Batch>, Unrepresentable> {
+        let Some((turn, gap)) = self.rest.pop_front() else { return Ok(None) };
+        let (recipe, of, largest) =
+            (self.recipe(turn)?, self.wanted.records[turn], base_log2(self.wanted.trials));
+        let count = (budget.steps / of.samples).max(budget.records);
+        // Whole blocks where a batch contains some, smaller ones for very long records.
+        let align = 1 << largest.min(count.ilog2());
+        let end = gap.end.min((gap.start + count).next_multiple_of(align));
+        if end < gap.end {
+            self.rest.push_front((turn, end..gap.end));
+        }
+        Ok(Some(Batch::Records(RecordsTask { recipe, of, records: gap.start..end, largest })))
     }
 }
 

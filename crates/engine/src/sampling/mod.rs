@@ -12,6 +12,7 @@ use crate::device::gpu::Gpu;
 use crate::device::select::reopen;
 use crate::device::{Advance, Cpu, Device, GpuError, Job, RetryProgress, Tallies};
 use crate::key::{Unrepresentable, shown};
+use crate::sampling::batches::Steps;
 use crate::store::error::StoreError;
 use crate::store::{Index, Store};
 use crate::tally::{Estimates, Id, NORMAL_95, Quantile, Share, z_score};
@@ -55,24 +56,27 @@ pub(crate) type Planned<'a> = Result<Option<Box<dyn Plan + 'a>>, StudyError>;
 
 /// The plan of a study of any kind.
 pub trait Plan: fmt::Debug {
-    /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
-    /// completes.
-    ///
-    /// # Errors
-    /// The device or the disk fails.
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<RunStats, RunError>;
-
-    /// Number of trials that the store lacks of a share.
+    /// The steps that sample the trials which the store lacks of a share.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError>;
+    fn steps<'p>(&'p self, store: &Store, share: Share) -> Result<Box<dyn Steps + 'p>, StoreError>;
+
+    /// Stores what a share keeps besides tallies, after its trials.
+    ///
+    /// # Errors
+    /// The disk fails.
+    fn keep(&self, _store: &mut Store, _share: Share) -> Result<(), RunError> {
+        Ok(())
+    }
+
+    /// The amount of missing results that [`keep`](Plan::keep) would store.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn lacks_kept(&self, _store: &Store, _share: Share) -> Result<u64, StoreError> {
+        Ok(0)
+    }
 
     /// The tables of everything that the store holds; without a store, all rows without estimates.
     ///
