@@ -30,8 +30,8 @@ pub(crate) const RULES: Rules = Rules {
 /// Most columns of temperature that are read without being asked for.
 const MAX_THERMOMETERS: usize = 4;
 
-/// The columns of a log to read, and their interpretation.
-#[derive(Debug, Clone, PartialEq)]
+/// The columns of a log to read, and their interpretation. By default all of it is inferred from the file.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
     /// Column names, numbers from 1 or ranges of numbers such as `2-4`, or `all`. If there are none, those of a binary layout, or the
     /// only column besides the time, or all columns whose units in the header are those of such data.
@@ -85,6 +85,13 @@ pub enum Timing {
         /// Unit of the times, such as `ms`; if absent, that in the header, or that of times since 1970.
         unit: Option<String>,
     },
+}
+
+impl Default for Timing {
+    /// The stamps of the file.
+    fn default() -> Timing {
+        Timing::Stamps { step_s: None, column: None, unit: None }
+    }
 }
 
 impl Timing {
