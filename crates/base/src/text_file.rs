@@ -1,7 +1,7 @@
 //! Files that are read: only regular ones, with a limit of their size.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::{File, Metadata};
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -100,7 +100,7 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
             return Ok(bytes);
         }
     }
-    Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20)))
+    Err(too_long(most))
 }
 
 /// The text of the file at `path`.
@@ -108,40 +108,108 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
 /// # Errors
 /// It fails where [`read_bytes`] does, and where the file is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String, Error> {
-    String::from_utf8(read_bytes(path, most)?)
+    utf8(read_bytes(path, most)?)
+}
+
+fn utf8(bytes: Vec<u8>) -> Result<String, Error> {
+    String::from_utf8(bytes)
         .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8: save it in that encoding"))
+}
+
+/// Files by the names that a study gives them, wherever a front end keeps them: in a folder, or in the memory of a page.
+pub trait Files {
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// There is no such file, it cannot be read, or has `most` bytes or more.
+    fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, Error>;
+
+    /// The path of a file in messages. Names with the same path are the same file.
+    fn path(&self, name: &str) -> PathBuf {
+        PathBuf::from(name)
+    }
+}
+
+/// The files of a folder, which [`open`] accepts.
+#[derive(Debug)]
+pub struct FolderFiles(pub PathBuf);
+
+impl Files for FolderFiles {
+    fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, Error> {
+        read_bytes(&self.path(name), most)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+/// Files in memory.
+impl Files for BTreeMap<String, Vec<u8>> {
+    fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, Error> {
+        match self.get(name) {
+            None => Err(Error::new(ErrorKind::NotFound, "there is no such file")),
+            Some(bytes) if bytes.len() as u64 >= most => Err(too_long(most)),
+            Some(bytes) => Ok(bytes.clone()),
+        }
+    }
+}
+
+fn too_long(most: u64) -> Error {
+    Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20))
 }
 
 /// The files that a study names, each read once. The stored copies are therefore the data used in the computation, even
 /// if a file changes meanwhile or is a pipe.
-pub struct Files {
-    folder: PathBuf,
-    read: RefCell<HashMap<PathBuf, Arc<str>>>,
+pub struct InputFiles<'a> {
+    files: &'a dyn Files,
+    read: RefCell<ReadFiles>,
 }
 
-impl Files {
-    /// The files of a study in this folder.
-    pub fn of(folder: &Path) -> Files {
-        Files { folder: folder.to_owned(), read: RefCell::default() }
+/// Files that were read, by their names, with their paths in messages.
+#[derive(Debug, Clone, Default)]
+pub struct ReadFiles(BTreeMap<String, (PathBuf, Arc<str>)>);
+
+impl Files for ReadFiles {
+    fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, Error> {
+        let (_, text) = self.0.get(name).ok_or(ErrorKind::NotFound)?;
+        if text.len() as u64 >= most { Err(too_long(most)) } else { Ok(text.as_bytes().to_vec()) }
     }
 
-    /// The path of a file.
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.get(name).map_or_else(|| PathBuf::from(name), |(path, _)| path.clone())
+    }
+}
+
+impl<'a> InputFiles<'a> {
+    /// None of `files` has been read yet.
+    pub fn new(files: &'a dyn Files) -> InputFiles<'a> {
+        InputFiles { files, read: RefCell::default() }
+    }
+
+    /// The files that were read.
+    pub fn into_read(self) -> ReadFiles {
+        self.read.into_inner()
+    }
+
+    /// The path of a file in messages.
     pub fn path(&self, name: &str) -> PathBuf {
-        self.folder.join(name)
+        self.files.path(name)
     }
 
     /// The text of a file.
     ///
     /// # Errors
-    /// It fails where [`read_text`] does, and where all files together have [`MAX_RECORD`] bytes or more.
+    /// It fails where [`Files::bytes`] does, where the file is not UTF-8, and where all files together have [`MAX_RECORD`] bytes or
+    /// more.
     pub fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
-        let path = self.path(name);
-        if let Some(known) = self.read.borrow().get(&path) {
+        if let Some((_, known)) = self.read.borrow().0.get(name) {
             return Ok(known.clone());
         }
-        let before: u64 = self.read.borrow().values().map(|text| text.len() as u64).sum();
+        let before: u64 = self.read.borrow().0.values().map(|(_, text)| text.len() as u64).sum();
         let left = MAX_RECORD.saturating_sub(before);
-        let text: Arc<str> = read_text(&path, most.min(left))
+        let text = self.files.bytes(name, most.min(left)).and_then(utf8);
+        let text: Arc<str> = text
             .map_err(|error| match error.kind() {
                 ErrorKind::FileTooLarge if left < most => Error::new(
                     ErrorKind::FileTooLarge,
@@ -153,7 +221,7 @@ impl Files {
                 _ => error,
             })?
             .into();
-        self.read.borrow_mut().insert(path, text.clone());
+        self.read.borrow_mut().0.insert(name.to_owned(), (self.path(name), text.clone()));
         Ok(text)
     }
 }
@@ -181,7 +249,8 @@ mod tests {
             let file = File::create(folder.path().join(name)).unwrap();
             file.set_len(if name == "c" { 1 << 10 } else { MAX_RECORD / 2 }).unwrap();
         }
-        let files = Files::of(folder.path());
+        let folder = FolderFiles(folder.path().to_owned());
+        let files = InputFiles::new(&folder);
         files.text("a", MAX_RECORD).unwrap();
         let refused = files.text("b", MAX_RECORD).unwrap_err().to_string();
         assert!(refused.contains("the files of the study have more than 256 MiB"), "{refused}");

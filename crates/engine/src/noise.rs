@@ -13,7 +13,7 @@ use crate::key::{Key, ParseContext, ValueType, docs, keys, measure};
 use sagnac_base::diagnostics::{Fault, StudyError, Text, Wrong};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, Quantity, round_12};
-use sagnac_base::text_file::{Files, MAX_TOML, read_text};
+use sagnac_base::text_file::{InputFiles, MAX_TOML, read_text};
 use sagnac_theory::allan::{Difference, Part, Process, Term, flicker};
 use sagnac_theory::drift::{self, Magnetic};
 use sagnac_theory::lock_in::{self, MIN_SPREAD, Premise, dither_rate};
@@ -529,7 +529,7 @@ pub(crate) fn read(reading: &mut ParseContext) -> Result<WrittenNoise, Wrong> {
 }
 
 /// Reads the noise file of this name, which is a `[noise]` table by itself; the name is at `span` of the study.
-fn read_file(name: &str, span: Range<usize>, files: &Files) -> Result<(Noise, Vec<String>), Wrong> {
+fn read_file(name: &str, span: Range<usize>, files: &InputFiles) -> Result<(Noise, Vec<String>), Wrong> {
     let path = files.path(name);
     let text = files.text(name, MAX_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());

@@ -36,7 +36,7 @@ use sagnac_base::diagnostics::{Fault, StudyError, Text, Wrong};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::Quantity;
 use sagnac_base::table::About;
-use sagnac_base::text_file::{Files, MAX_RECORD, MAX_TOML, read_text};
+use sagnac_base::text_file::{Files, FolderFiles, InputFiles, MAX_RECORD, MAX_TOML, ReadFiles, read_text};
 
 /// A valid study: every value is within its limits at every point.
 #[derive(Debug, Clone)]
@@ -71,6 +71,8 @@ pub struct Study {
     pub places: SpanMap,
     /// What of the text a resolved study keeps.
     pub written: Written,
+    /// The files that the study names.
+    pub(crate) files: Arc<ReadFiles>,
     /// Inputs whose values are known only by a range or a distribution.
     pub uncertain: Vec<Uncertain>,
     /// The written quantities of the keys that a sweep may vary.
@@ -337,7 +339,7 @@ pub struct Input {
 }
 
 /// The files that a study names. A file that could not be read is missing; it has been reported, or is not needed.
-fn inputs(study: &Table, keys: &[&'static Key], sweeps: &[Sweep], files: &Files) -> Vec<Spanned<Input>> {
+fn inputs(study: &Table, keys: &[&'static Key], sweeps: &[Sweep], files: &InputFiles) -> Vec<Spanned<Input>> {
     let written = keys.iter().filter(|key| key.is_file()).filter_map(|key| study.get(key));
     let written = written.map(|given| Spanned::new(given.span(), given.text().to_owned()));
     let named = written.chain(sweeps.iter().flat_map(|sweep| sweep.files.clone()));
@@ -445,12 +447,42 @@ impl Study {
     /// assert!(error.render(false, 100).contains("my.toml:1"));
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Study, StudyError> {
+        let folder = FolderFiles(Path::new(name).parent().unwrap_or(Path::new("")).to_owned());
+        Study::parse_with(name, text, &folder)
+    }
+
+    /// Reads a study from its `text` as [`Study::parse`] does; the files that it names are `files`, of which nothing is on a disk
+    /// unless they are.
+    ///
+    /// # Errors
+    /// The first fault found, with its place in the text.
+    ///
+    /// # Example
+    /// ```
+    /// # use sagnac_engine::study::Study;
+    /// # use std::collections::BTreeMap;
+    /// let text = r#"
+    ///     title = "A gyro of which only the noise is known"
+    ///     kind = "allan"
+    ///     [record]
+    ///     sample = "1 s"
+    ///     length = "1 h"
+    ///     [noise]
+    ///     file = "gyro.toml"
+    /// "#;
+    /// let noise = br#"angle_random_walk = "0.003 deg/sqrt(h)""#;
+    /// let files = BTreeMap::from([("gyro.toml".to_owned(), noise.to_vec())]);
+    /// let study = Study::parse_with("my.toml", text, &files)?;
+    /// assert_eq!(study.inputs()[0].name, "inputs/gyro.toml");
+    /// # Ok::<(), sagnac_base::diagnostics::StudyError>(())
+    /// ```
+    pub fn parse_with(name: &str, text: &str, files: &dyn Files) -> Result<Study, StudyError> {
         let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-        Study::check(&text, None).map_err(|wrong| wrong.within(&text))
+        Study::check(&text, files, None).map_err(|wrong| wrong.within(&text))
     }
 
     /// Checks a study. With `joined` sweeps, which belong together, its own sweeps and charts do not apply.
-    pub(crate) fn check(text: &Text, joined: Option<Vec<Sweep>>) -> Result<Study, Wrong> {
+    pub(crate) fn check(text: &Text, files: &dyn Files, joined: Option<Vec<Sweep>>) -> Result<Study, Wrong> {
         if let Some(at) = text.inner().find('\0') {
             let message = "the study is not text in UTF-8: it contains a zero byte, as UTF-16 does";
             return Err(Fault::new(at..at + 1, message, "here", "save it as UTF-8").into());
@@ -460,7 +492,7 @@ impl Study {
         let notes = docs::replace("", root.get_mut());
         let table = Table::root("", &root);
         let (kind, keys) = checked(&table)?;
-        let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
+        let files = InputFiles::new(files);
         let is_own = joined.is_none();
         let sweeps = match joined {
             Some(joined) => joined,
@@ -532,6 +564,7 @@ impl Study {
             uncertain,
             values: values(&table, &keys.sweepable),
             sweeps,
+            files: Arc::new(files.into_read()),
         })
     }
 }
@@ -552,7 +585,8 @@ impl Study {
     pub fn at_points(&self, keys: &[&'static Key], points: &[Vec<Swept>]) -> Result<Study, StudyError> {
         let sweeps = keys.iter().enumerate().map(|(at, key)| self.joined(key, points, at));
         let sweeps = sweeps.collect::<Result<Vec<Sweep>, StudyError>>()?;
-        let mut study = Study::check(&self.text, Some(sweeps)).map_err(|wrong| wrong.within(&self.text))?;
+        let mut study =
+            Study::check(&self.text, &*self.files, Some(sweeps)).map_err(|wrong| wrong.within(&self.text))?;
         (study.seed, study.trials, study.streams) = (self.seed, self.trials, Streams::Common);
         study.precision = None;
         Ok(study)
@@ -571,7 +605,7 @@ impl Study {
             edit(fillers);
         }
         let text = toml::to_string(&root).unwrap_or_default();
-        let study = Study::parse(self.text.name(), &text)?;
+        let study = Study::parse_with(self.text.name(), &text, &*self.files)?;
         let (seed, trials, streams) = (self.seed, self.trials, self.streams);
         Ok(Study { seed, trials, streams, precision: self.precision, ..study })
     }

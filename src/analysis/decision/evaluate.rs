@@ -108,7 +108,8 @@ impl Evaluator<'_> {
             false => self.expect(1),
         }
         let (subject, row) = study.subject.only(self.row).unwrap_or((study.subject.clone(), self.row));
-        let study = Study { subject, ..study.clone() };
+        let mut study = study.clone();
+        study.subject = subject;
         let plan = Plan::new(&study)?;
         // Closed forms need no trials, but a kind may compute them only beside a store.
         let blank = plan.tables(&Store::in_memory(&plan.identity()), &Silent)?.points;
@@ -122,7 +123,8 @@ impl Evaluator<'_> {
         }
         let most = (MAX_STEPS / of_point).clamp(MIN_TRIALS, MAX_TRIALS);
         let most = if effort == Effort::Screening { most / SCREENED } else { most };
-        let study = Study { trials: study.trials.min(most), ..study.clone() };
+        let mut study = study.clone();
+        study.trials = study.trials.min(most);
         let plan = Plan::new(&study)?;
         let estimates = |store: &Store| -> Result<Option<Vec<f64>>, DecisionError> {
             let table = plan.tables(store, &Silent)?.points;

@@ -12,7 +12,7 @@ use sagnac_base::diagnostics::Fault;
 pub use sagnac_base::names;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, Quantity};
-use sagnac_base::text_file::Files;
+use sagnac_base::text_file::InputFiles;
 use sagnac_kernel::moments::BIN_BITS;
 
 /// The part that a key plays in the question of a study.
@@ -442,7 +442,7 @@ pub(crate) struct ParseContext<'a> {
     pub(crate) table: Table<'a>,
     pub(crate) sweeps: &'a [Sweep],
     /// The files that the study names.
-    pub(crate) files: &'a Files,
+    pub(crate) files: &'a InputFiles<'a>,
     /// Places of the values read, for errors that are found later.
     pub(crate) places: SpanMap,
     /// Notes on inputs that are ignored, rounded or assumed, each a sentence.

@@ -15,7 +15,7 @@ use crate::kinds::navigation::{FILTER, Lack, SETTINGS, Solution};
 use crate::noise::{FILE, Noise, SETTINGS as NOISE_SETTINGS};
 use sagnac_base::diagnostics::{Fault, Text, Wrong};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::text_file::{Files, MAX_TOML};
+use sagnac_base::text_file::{InputFiles, MAX_TOML};
 use sagnac_theory::allan::terms::Term;
 use sagnac_theory::navigation::filter::{Model, filtered};
 use sagnac_theory::navigation::{ARCSEC, EARTH_RATE, Gyro, Leg, MAX_SAMPLE, Task, Times, Weights, weights};
@@ -337,7 +337,7 @@ pub(crate) fn swept(reading: &ParseContext) -> Result<Vec<Model>, Wrong> {
 }
 
 /// Reads the file of this name, which is at `span` of the study.
-fn read(name: &str, span: Range<usize>, files: &Files) -> Result<Model, Wrong> {
+fn read(name: &str, span: Range<usize>, files: &InputFiles) -> Result<Model, Wrong> {
     let path = files.path(name);
     let text = files.text(name, MAX_TOML).map_err(|error| {
         let message = format!("cannot read the model of a filter {}: {error}", path.display());
