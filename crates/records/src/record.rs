@@ -14,17 +14,11 @@ pub mod binary;
 pub(crate) mod cells;
 pub(crate) mod column_file;
 pub(crate) mod format;
-#[cfg(feature = "hdf5")]
-pub(crate) mod hdf5;
 pub mod layout;
 pub mod log;
 pub(crate) mod loggers;
-pub(crate) mod mat;
 pub(crate) mod names;
-pub(crate) mod numpy;
 pub(crate) mod profile;
-#[cfg(feature = "ros")]
-pub(crate) mod ros;
 pub(crate) mod text;
 pub(crate) mod time;
 pub(crate) mod timestamps;

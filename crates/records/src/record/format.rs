@@ -1,20 +1,25 @@
-//! The formats of recorded data.
+//! The formats of recorded data, each in a file of this folder.
+
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod mat;
+mod numpy;
+#[cfg(feature = "ros")]
+mod ros;
 
 use std::io::{self, Chain, Cursor, Read, Seek};
 use std::path::Path;
 
 use crate::record::column_file::Rules;
 #[cfg(feature = "hdf5")]
-use crate::record::hdf5::open as hdf5;
+use crate::record::format::hdf5::open as open_hdf5;
+#[cfg(feature = "ros")]
+use crate::record::format::ros::{open_bag, open_mcap};
 use crate::record::log::measure::Data;
 use crate::record::loggers::Rivals;
 use crate::record::names::Name;
-#[cfg(feature = "ros")]
-use crate::record::ros::open_bag as bag;
-#[cfg(feature = "ros")]
-use crate::record::ros::open_mcap as mcap;
 use crate::record::time::Calendar;
-use crate::record::{RecordError, malformed, mat, numpy};
+use crate::record::{RecordError, malformed};
 use sagnac_base::diagnostics::Place;
 use sagnac_base::text_file::open;
 
@@ -34,10 +39,10 @@ pub(crate) static FORMATS: &[Format] = &[
     numpy::NPY,
     numpy::NPZ,
     // Before MATLAB's earlier format, because its files may begin like those.
-    Format { begins: is_hdf5, open: hdf5 },
+    Format { begins: is_hdf5, open: open_hdf5 },
     mat::FORMAT,
-    Format { begins: |head| head.starts_with(b"\x89MCAP0\r\n"), open: mcap },
-    Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: bag },
+    Format { begins: |head| head.starts_with(b"\x89MCAP0\r\n"), open: open_mcap },
+    Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: open_bag },
 ];
 
 /// Whether the signature is at the start, or after a block of the user's of 512, 1024, … bytes.
@@ -48,17 +53,17 @@ fn is_hdf5(head: &[u8]) -> bool {
 }
 
 #[cfg(not(feature = "hdf5"))]
-fn hdf5(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+fn open_hdf5(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     Err(left_out(&source, "HDF5 (.h5, .mat)", "hdf5"))
 }
 
 #[cfg(not(feature = "ros"))]
-fn mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     Err(left_out(&source, "MCAP", "ros"))
 }
 
 #[cfg(not(feature = "ros"))]
-fn bag(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+fn open_bag(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     Err(left_out(&source, "a ROS bag", "ros"))
 }
 
@@ -235,6 +240,21 @@ impl<'a> Source<'a> {
                 Ok(Box::new(file))
             }
             Origin::Bytes(bytes) => Ok(Box::new(Cursor::new(bytes))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_has_a_file_among_the_test_data() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/formats");
+        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let heads: Vec<Vec<u8>> = files.map(|path| std::fs::read(path).unwrap_or_default()).collect();
+        for (place, format) in FORMATS.iter().enumerate() {
+            assert!(heads.iter().any(|head| (format.begins)(head)), "no file of format {place}");
         }
     }
 }
