@@ -2,15 +2,7 @@
 //!
 //! The rest of the library knows them only as entries of [`KINDS`].
 
-pub mod allan;
-pub(crate) mod drift_budget;
-pub mod gap_fill;
-pub mod lock_in;
-pub mod navigation;
 pub mod plan;
-pub mod relock;
-pub(crate) mod suspension;
-pub mod switched_run;
 #[cfg(test)]
 mod tests;
 
@@ -25,17 +17,26 @@ use crate::study::Kind;
 use sagnac_base::diagnostics::{Fault, choices};
 use sagnac_base::quantity::Dimension;
 
-/// Every kind of study.
-pub static KINDS: [&Kind; 8] = [
-    &gap_fill::GAP_FILL,
-    &allan::ALLAN,
-    &switched_run::SWITCHED_RUN,
-    &relock::RELOCK,
-    &lock_in::LOCK_IN,
-    &drift_budget::DRIFT_BUDGET,
-    &suspension::SUSPENSION,
-    &navigation::NAVIGATION,
-];
+/// Declares the modules of the kinds, and lists their entries.
+macro_rules! kinds {
+    ($($vis:vis mod $module:ident = $KIND:ident;)+) => {
+        $($vis mod $module;)+
+
+        /// Every kind of study.
+        pub static KINDS: [&Kind; [$(stringify!($module)),+].len()] = [$(&$module::$KIND),+];
+    };
+}
+
+kinds! {
+    pub mod gap_fill = GAP_FILL;
+    pub mod allan = ALLAN;
+    pub mod switched_run = SWITCHED_RUN;
+    pub mod relock = RELOCK;
+    pub mod lock_in = LOCK_IN;
+    pub(crate) mod drift_budget = DRIFT_BUDGET;
+    pub(crate) mod suspension = SUSPENSION;
+    pub mod navigation = NAVIGATION;
+}
 
 /// The keys of all kinds, in the order of [`KINDS`].
 static OF_KINDS: LazyLock<Vec<OfKind>> = LazyLock::new(|| KINDS.into_iter().map(of).collect());
