@@ -5,7 +5,7 @@ use sagnac::kernel::width::Width;
 use sagnac::key::Streams;
 use sagnac::kinds::navigation::lower::Lowered;
 use sagnac::kinds::navigation::verify::noise_of;
-use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Point, Solution};
+use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Solution};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::filter::{Model, filtered};
@@ -174,9 +174,8 @@ fn kept(filter: Model, noise: Noise, duration_s: f64) -> (Lowered, f64) {
         noise,
     };
     let sigma = inputs.claimed().unwrap();
-    let point = Point { swept: vec![], inputs, lack: None };
-    let study = Navigation { solution: Solution::Heading, draws: 1, uncertain: vec![], points: vec![] };
-    (Lowered::new(&point, &study, 1, Streams::Independent).unwrap(), sigma)
+    let study = Navigation::new(inputs);
+    (Lowered::new(&study.points[0], &study, 1, Streams::Independent).unwrap(), sigma)
 }
 
 #[test]

@@ -289,11 +289,17 @@ pub(crate) fn note(gyros: impl Iterator<Item = (LockIn, f64)>) -> Option<String>
 static LEFT_BY_SWITCHES: [&str; 4] =
     [MAGNETIC.name, INITIAL_MAGNETIC.name, RESIDUAL.name, RESIDUAL_NOISE.name];
 
-/// Refuses switches without effect in any of the `noises` of a study, and a warm-up without a drift.
+/// Refuses sweeps over absent parts of any of the `noises` of a study, switches without effect, and a warm-up without a
+/// drift.
 ///
 /// # Errors
-/// The first such noise.
-pub(crate) fn check_switching(noises: &[Noise], places: &SpanMap, sweeps: &[Sweep]) -> Result<(), Fault> {
+/// The first such sweep or noise.
+pub(crate) fn check_sweeps(noises: &[&Noise], places: &SpanMap, sweeps: &[Sweep]) -> Result<(), Fault> {
+    for sweep in sweeps {
+        for noise in noises {
+            sweep::check_applies(sweep, *noise, &SETTINGS, "[noise]")?;
+        }
+    }
     let is_swept = |names: &[&str]| sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
     let refuse =
         |names: &[&str], message, label, help| Err(Fault::new(places.written(names), message, label, help));
@@ -456,7 +462,8 @@ pub(crate) fn coefficient_values(noise: &Noise) -> Vec<(&'static Key, Quantity)>
     let coefficient = |term: Term| {
         let key = term.row().key;
         let names = [key.to_owned(), format!("{key}.amplitude")];
-        let key = sweep::keys(&SETTINGS).find(|key| names.iter().any(|name| name == key.name))?;
+        let mut keys = SETTINGS.iter().map(|setting| setting.key);
+        let key = keys.find(|key| names.iter().any(|name| name == key.name))?;
         let dimension = key.holds.measured()?.accepts.first()?;
         let [size, _] = noise.given(term);
         Some((key, Quantity::new(size, *dimension)))
@@ -488,6 +495,14 @@ fn of_switching(noise: &mut Noise) -> &mut Switching {
     noise.switching.get_or_insert_default()
 }
 
+/// The noise of each file of a sweep over files, by the name of the file in the sweep.
+pub(crate) type NoiseFiles = Arc<[(String, Noise)]>;
+
+/// The noise of a study, or that of each file of a sweep over files.
+pub(crate) fn all<'n>(noise: &'n Noise, files: &'n NoiseFiles) -> Vec<&'n Noise> {
+    if files.is_empty() { vec![noise] } else { files.iter().map(|(_, noise)| noise).collect() }
+}
+
 /// The noise of each file of a sweep over files, combined with the keys `written` in the study, which take precedence.
 ///
 /// # Errors
@@ -495,15 +510,15 @@ fn of_switching(noise: &mut Noise) -> &mut Switching {
 pub(crate) fn swept_files(
     reading: &mut ParseContext,
     written: &[(&'static Setting<Noise>, Quantity)],
-) -> Result<Vec<Noise>, Wrong> {
+) -> Result<NoiseFiles, Wrong> {
     let mut files = Vec::new();
-    for file in reading.sweep(&FILE).into_iter().flat_map(|sweep| &sweep.files) {
+    for (name, file) in reading.sweep(&FILE).into_iter().flat_map(Sweep::named_files) {
         let (mut noise, notes) = read_file(file.get_ref(), file.span(), reading.files)?;
         reading.notes.extend(notes);
         written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
-        files.push(noise);
+        files.push((name, noise));
     }
-    Ok(files)
+    Ok(files.into())
 }
 
 /// The noise of a table, with the settings written in addition to a file.

@@ -260,6 +260,13 @@ pub trait Subject: Any + fmt::Debug + Send + Sync {
         None
     }
 
+    /// The subject at the points of these sweeps instead of its own, everything else unchanged. `places` are those of the keys
+    /// of the study.
+    ///
+    /// # Errors
+    /// A point is not a valid one, or a sweep does not apply to the study.
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault>;
+
     /// Quantities at a point that the study does not contain itself, such as those in a file that it names, by the keys
     /// that set them.
     fn values(&self, _point: usize) -> Vec<(&'static Key, Quantity)> {
@@ -478,11 +485,10 @@ impl Study {
     /// ```
     pub fn parse_with(name: &str, text: &str, files: &dyn Files) -> Result<Study, StudyError> {
         let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-        Study::check(&text, files, None).map_err(|wrong| wrong.within(&text))
+        Study::check(&text, files).map_err(|wrong| wrong.within(&text))
     }
 
-    /// Checks a study. With `joined` sweeps, which belong together, its own sweeps and charts do not apply.
-    pub(crate) fn check(text: &Text, files: &dyn Files, joined: Option<Vec<Sweep>>) -> Result<Study, Wrong> {
+    fn check(text: &Text, files: &dyn Files) -> Result<Study, Wrong> {
         if let Some(at) = text.inner().find('\0') {
             let message = "the study is not text in UTF-8: it contains a zero byte, as UTF-16 does";
             return Err(Fault::new(at..at + 1, message, "here", "save it as UTF-8").into());
@@ -493,13 +499,8 @@ impl Study {
         let table = Table::root("", &root);
         let (kind, keys) = checked(&table)?;
         let files = InputFiles::new(files);
-        let is_own = joined.is_none();
-        let sweeps = match joined {
-            Some(joined) => joined,
-            None => read_sweeps(&table, &keys.keys, &keys.sweepable)?,
-        };
-        let own_sweeps = if is_own { &sweeps[..] } else { &[] };
-        let uncertain = sensitivity::read_all(&table, &keys.keys, &keys.sweepable, own_sweeps)?;
+        let sweeps = read_sweeps(&table, &keys.keys, &keys.sweepable)?;
+        let uncertain = sensitivity::read_all(&table, &keys.keys, &keys.sweepable, &sweeps)?;
         let count = |key: &'static Key| -> Result<Option<Spanned<u64>>, Fault> {
             let Some(given) = table.get(key) else { return Ok(None) };
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
@@ -512,20 +513,12 @@ impl Study {
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
         let ParseContext { mut places, notes, precision, .. } = reading;
-        let bytes = subject.bytes();
-        if bytes > MAX_BYTES {
-            let span = sweeps.first().map_or_else(|| table.span_of(&KIND), |sweep| Some(sweep.span.clone()));
-            let message =
-                format!("the points of this study and their tables take {} MiB of memory", bytes >> 20);
-            let help =
-                "accepted: up to 1024 MiB; sweep fewer values, or take fewer fillers, times or trajectories";
-            return Err(Fault::new(span.unwrap_or_default(), message, "too many points", help).into());
-        }
+        check_bytes(&*subject, &sweeps, table.span_of(&KIND).unwrap_or_default())?;
         // After the values that are read, which come first where both are written.
         uncertain.iter().for_each(|input| places.add(input.key.name, input.span.clone()));
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
-        let mut charts = if is_own { read_charts(&table, &sweeps, &grounds)? } else { vec![] };
+        let mut charts = read_charts(&table, &sweeps, &grounds)?;
         let requirement = table.get(&LIMIT).map(|given| read_requirement(given, &grounds, &mut charts));
         let requirement = requirement.transpose()?;
         for chart in &mut charts {
@@ -569,6 +562,18 @@ impl Study {
     }
 }
 
+/// Refuses a study whose points take too much memory, at the place of its first sweep, or of its `kind`.
+fn check_bytes(subject: &dyn Subject, sweeps: &[Sweep], kind: Range<usize>) -> Result<(), Fault> {
+    let bytes = subject.bytes();
+    if bytes <= MAX_BYTES {
+        return Ok(());
+    }
+    let span = sweeps.first().map_or(kind, |sweep| sweep.span.clone());
+    let message = format!("the points of this study and their tables take {} MiB of memory", bytes >> 20);
+    let help = "accepted: up to 1024 MiB; sweep fewer values, or take fewer fillers, times or trajectories";
+    Err(Fault::new(span, message, "too many points", help))
+}
+
 /// The quantities of the keys that a sweep may vary, as far as they are written.
 fn values(table: &Table, sweepable: &[&'static Key]) -> Vec<(&'static Key, Quantity)> {
     let written = sweepable.iter().filter_map(|key| Some((*key, table.get(key)?.quantity().ok()?)));
@@ -585,11 +590,13 @@ impl Study {
     pub fn at_points(&self, keys: &[&'static Key], points: &[Vec<Swept>]) -> Result<Study, StudyError> {
         let sweeps = keys.iter().enumerate().map(|(at, key)| self.joined(key, points, at));
         let sweeps = sweeps.collect::<Result<Vec<Sweep>, StudyError>>()?;
-        let mut study =
-            Study::check(&self.text, &*self.files, Some(sweeps)).map_err(|wrong| wrong.within(&self.text))?;
-        (study.seed, study.trials, study.streams) = (self.seed, self.trials, Streams::Common);
-        study.precision = None;
-        Ok(study)
+        let subject = self.subject.with_points(&sweeps, &self.places).and_then(|subject| {
+            check_bytes(&*subject, &sweeps, self.place_of(KIND.name))?;
+            Ok(subject)
+        });
+        let subject = subject.map_err(|fault| fault.within(&self.text))?;
+        let (streams, precision) = (Streams::Common, None);
+        Ok(Study { subject, sweeps, streams, precision, charts: vec![], ..self.clone() })
     }
 
     /// The study with other fillers: `edit` changes the entries of `switching.fillers`. Its text is written anew, without

@@ -69,6 +69,7 @@ keys! {
 }
 
 /// A filler, with its own lists of ticks.
+#[derive(Debug)]
 pub(crate) struct Written {
     pub(crate) filler: Filler,
     pub(crate) fit_ticks: Option<TickList>,
@@ -78,6 +79,7 @@ pub(crate) struct Written {
 }
 
 /// The ticks to which an extrapolation is fitted.
+#[derive(Debug)]
 pub(crate) enum Extrapolation {
     /// The ticks of the study.
     Common,

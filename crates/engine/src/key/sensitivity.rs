@@ -258,12 +258,7 @@ impl Written<'_> {
     }
 
     fn same_dimension(&self, first: Quantity, value: Quantity, at: SpannedValue) -> Result<(), Fault> {
-        if first.dimension == value.dimension {
-            return Ok(());
-        }
-        let (found, wanted) = (value.dimension.name(), first.dimension.name());
-        let message = format!("the distribution of {} mixes {wanted} and {found}", self.key.name);
-        Err(at.fault(message, found, format!("write {wanted}, like the first value")))
+        sweep::same_dimension(&format!("the distribution of {}", self.key.name), first, value, at)
     }
 }
 

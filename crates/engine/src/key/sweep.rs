@@ -100,18 +100,6 @@ pub(crate) fn read_all(
     Ok(sweeps)
 }
 
-/// The one that a point takes of what each file of a sweep over `key` holds; `None` without such a sweep.
-pub(crate) fn selected<'f, T>(
-    of_files: &'f [T],
-    key: &Key,
-    sweeps: &[Sweep],
-    swept: &[(&'static str, Swept)],
-) -> Option<&'f T> {
-    let (sweep, (_, name)) = sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.name == key.name)?;
-    let place = sweep.values.iter().position(|value| value == name)?;
-    of_files.get(place)
-}
-
 /// The input that a key sets. The keys of a table that takes exactly one of them all set the same input.
 pub(crate) fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
     let forms =
@@ -141,6 +129,11 @@ pub(crate) fn find(
 }
 
 impl Sweep {
+    /// The files of a sweep over files, each with its name among the values.
+    pub(crate) fn named_files(&self) -> impl Iterator<Item = (String, &Spanned<String>)> {
+        self.values.iter().map(Swept::to_string).zip(&self.files)
+    }
+
     /// A fault at the name of its key.
     pub(crate) fn fault(
         &self,
@@ -347,13 +340,26 @@ impl WrittenSweep<'_> {
 
     /// Checks that all values have one dimension, because a sweep is one column and a column has one unit.
     fn same_dimension(&self, first: Quantity, value: Quantity, at: SpannedValue) -> Result<(), Fault> {
-        if first.dimension == value.dimension {
-            return Ok(());
-        }
-        let (found, wanted) = (value.dimension.name(), first.dimension.name());
-        let message = format!("the sweep over {} mixes {wanted} and {found}", self.key.name);
-        Err(at.fault(message, found, format!("write {wanted}, like the first value")))
+        same_dimension(&format!("the sweep over {}", self.key.name), first, value, at)
     }
+}
+
+/// Refuses a value at `at` whose dimension is another one than that of the first value of `what`.
+pub(crate) fn same_dimension(
+    what: &str,
+    first: Quantity,
+    value: Quantity,
+    at: SpannedValue,
+) -> Result<(), Fault> {
+    if first.dimension == value.dimension {
+        return Ok(());
+    }
+    let (found, wanted) = (value.dimension.name(), first.dimension.name());
+    Err(at.fault(
+        format!("{what} mixes {wanted} and {found}"),
+        found,
+        format!("write {wanted}, like the first value"),
+    ))
 }
 
 /// A key that sets a number among inputs `I`.
@@ -443,17 +449,89 @@ impl fmt::Display for Swept {
     }
 }
 
-/// The keys that some settings set.
-pub(crate) fn keys<I>(settings: &[Setting<I>]) -> impl Iterator<Item = &'static Key> {
-    settings.iter().map(|setting| setting.key)
+/// Every key that a sweep may vary among the inputs `I` of a kind of study, with how it sets its value.
+pub(crate) struct Sweepable<I> {
+    targets: Vec<Target<I>>,
 }
 
-/// The name among the swept values that belongs to this key.
-pub(crate) fn named<'s>(swept: &'s [(&'static str, Swept)], key: &Key) -> Option<&'s str> {
-    swept.iter().find_map(|(name, value)| match value {
-        Swept::Name(named) if *name == key.name => Some(named.as_str()),
-        _ => None,
-    })
+struct Target<I> {
+    key: &'static Key,
+    set: Box<dyn Fn(&mut I, &Swept)>,
+}
+
+impl<I: Clone + 'static> Sweepable<I> {
+    /// No keys.
+    pub(crate) fn new() -> Sweepable<I> {
+        Sweepable { targets: vec![] }
+    }
+
+    /// Adds settings of the inputs themselves.
+    pub(crate) fn own(self, settings: &'static [Setting<I>]) -> Sweepable<I> {
+        self.part(settings, |inputs| Some(inputs))
+    }
+
+    /// Adds the settings of a part of the inputs, which may be absent.
+    pub(crate) fn part<P: 'static>(
+        mut self,
+        settings: &'static [Setting<P>],
+        part: fn(&mut I) -> Option<&mut P>,
+    ) -> Sweepable<I> {
+        self.targets.extend(settings.iter().map(|setting| {
+            let set = move |inputs: &mut I, value: &Swept| {
+                if let (Some(part), Some(quantity)) = (part(inputs), value.quantity()) {
+                    (setting.set)(part, quantity);
+                }
+            };
+            Target { key: setting.key, set: Box::new(set) as _ }
+        }));
+        self
+    }
+
+    /// Adds a key that holds a name, of a file or otherwise. Names are set before quantities.
+    pub(crate) fn name(mut self, key: &'static Key, set: fn(&mut I, &str)) -> Sweepable<I> {
+        let set = move |inputs: &mut I, value: &Swept| {
+            if let Swept::Name(name) = value {
+                set(inputs, name);
+            }
+        };
+        self.targets.push(Target { key, set: Box::new(set) });
+        self
+    }
+
+    /// Adds keys that another part of the study sets at its own points.
+    pub(crate) fn elsewhere(mut self, keys: Vec<&'static Key>) -> Sweepable<I> {
+        let nothing = |_: &mut I, _: &Swept| {};
+        self.targets.extend(keys.into_iter().map(|key| Target { key, set: Box::new(nothing) as _ }));
+        self
+    }
+
+    /// The keys, in the order in which they were added.
+    pub(crate) fn keys(&self) -> Vec<&'static Key> {
+        self.targets.iter().map(|target| target.key).collect()
+    }
+
+    /// The values of the swept keys at each point, with the inputs there.
+    pub(crate) fn points(
+        self,
+        inputs: &I,
+        sweeps: &[Sweep],
+    ) -> impl Iterator<Item = (Vec<(&'static str, Swept)>, I)> {
+        points(sweeps).map(move |swept| {
+            let mut inputs = inputs.clone();
+            let (names, quantities): (Vec<_>, Vec<_>) =
+                swept.iter().partition(|(_, value)| matches!(value, Swept::Name(_)));
+            for (name, value) in names.into_iter().chain(quantities) {
+                let target = self.targets.iter().find(|target| target.key.name == *name);
+                target.into_iter().for_each(|target| (target.set)(&mut inputs, value));
+            }
+            (swept, inputs)
+        })
+    }
+}
+
+/// What the file of this name holds, among those of a sweep over files.
+pub(crate) fn of_name<T: Clone>(files: &[(String, T)], name: &str) -> Option<T> {
+    files.iter().find(|(known, _)| known == name).map(|(_, held)| held.clone())
 }
 
 /// Sets the swept quantities in `inputs`.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::key::document::{SpannedValue, Table};
-use crate::key::sweep::{Setting, Swept, named as swept_name};
+use crate::key::sweep::{Setting, Swept};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, unlimited, words};
 use crate::motion::{
     self, Acceleration, Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value, Vibration,
@@ -547,9 +547,9 @@ impl SuspensionKeys {
         })
     }
 
-    /// The suspension selected by a sweep.
-    pub(crate) fn swept(&self, swept: &[(&'static str, Swept)]) -> Option<Arc<Suspension>> {
-        Suspension::named(swept_name(swept, self.gyro)?).map(Arc::new)
+    /// Replaces a suspension by that of the gyro of this name, which a sweep selects.
+    pub(crate) fn set(suspension: &mut Arc<Suspension>, name: &str) {
+        Suspension::named(name).into_iter().for_each(|named| *suspension = Arc::new(named));
     }
 
     fn read_modes(&self, modes: SpannedValue) -> Result<Vec<Mode>, Fault> {

@@ -238,6 +238,7 @@ fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
 }
 
 /// The estimates made from each record.
+#[derive(Debug, Clone)]
 pub(crate) struct Estimate {
     pub(crate) taus: Taus,
     pub(crate) estimator: Estimator,

@@ -9,13 +9,11 @@ use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema, Text};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{self, Setting, Sweep, Swept, selected};
+use crate::key::sweep::{Setting, Sweep, Sweepable, Swept, of_name};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::Estimate;
 use crate::kinds::allan::lower::MAX_SAMPLES;
-use crate::noise::{
-    self, FILE, Noise, READOUT_LSB, SETTINGS as NOISE_SETTINGS, WrittenNoise, swept_files, values,
-};
+use crate::noise::{self, FILE, Noise, NoiseFiles, READOUT_LSB, WrittenNoise, swept_files, values};
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use sagnac_base::diagnostics::{Fault, Wrong};
@@ -38,6 +36,8 @@ pub struct Allan {
     pub terms: Option<Terms>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// What all points have in common.
+    base: Base,
 }
 
 /// Every key of this kind.
@@ -46,8 +46,13 @@ fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-fn sweepable() -> Vec<&'static Key> {
-    sweep::keys(&SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE]).collect()
+fn sweepable() -> Sweepable<Base> {
+    Sweepable::new()
+        .part(&SETTINGS, |base: &mut Base| Some(&mut base.inputs))
+        .part(&noise::SETTINGS, |base| Some(&mut base.inputs.noise))
+        .name(&FILE, |base: &mut Base, name| {
+            base.inputs.noise = of_name(&base.files, name).unwrap_or_default();
+        })
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -58,19 +63,10 @@ fn read(reading: &mut ParseContext) -> Result<Allan, Wrong> {
     reading.note(&[&ALLAN_TABLE, &TAU]);
     let estimate = columns::read(&reading.table)?;
     let files = swept_files(reading, &written)?;
-    let base = Base {
-        inputs: Inputs { noise, ..inputs },
-        files,
-        places: &reading.places,
-        sweeps: reading.sweeps,
-        estimate: &estimate,
-    };
-    base.check_sweeps()?;
-    noise::check_switching(base.noises(), &reading.places, reading.sweeps)?;
-    let points = base.points()?;
-    let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
-    reading.notes.extend(columns::of(terms.as_ref(), &points));
-    Ok(Allan { estimator: estimate.estimator, terms, points })
+    let base = Base { inputs: Inputs { noise, ..inputs }, files, estimate };
+    let allan = base.with_points(reading.sweeps, &reading.places)?;
+    reading.notes.extend(columns::of(allan.terms.as_ref(), &allan.points));
+    Ok(allan)
 }
 
 /// Lets a fit that chooses its terms choose Markov noise and a sine where the noise has them.
@@ -156,7 +152,7 @@ pub(crate) static ALLAN: Kind = Kind {
     trials: 1000,
     needs: &["record", "noise"],
     keys,
-    sweepable,
+    sweepable: || sweepable().keys(),
     columns: &[
         (Source::Points, || abouts(&columns::columns())),
         (Source::Coefficients, || abouts(&columns::coefficient_columns())),
@@ -178,6 +174,10 @@ impl Subject for Allan {
     fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
         Some(Ablation { parts, subject: Arc::new(Allan { points, ..self.clone() }) })
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        Ok(Arc::new(self.base.with_points(sweeps, places)?))
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
@@ -277,118 +277,48 @@ pub struct Point {
     pub ms: Vec<u64>,
 }
 
-/// The inputs common to all points, with their places in the text.
-pub(crate) struct Base<'a> {
-    pub(crate) inputs: Inputs,
+/// The inputs common to all points.
+#[derive(Debug, Clone)]
+struct Base {
+    inputs: Inputs,
     /// The noise of each file of a sweep over files, combined with the keys of the study.
-    pub(crate) files: Vec<Noise>,
-    pub(crate) places: &'a SpanMap,
-    pub(crate) sweeps: &'a [Sweep],
-    pub(crate) estimate: &'a Estimate,
+    files: NoiseFiles,
+    estimate: Estimate,
 }
 
-impl Base<'_> {
-    /// Refuses sweeps over absent parts of the noise, or over a rate without effect.
-    pub(crate) fn check_sweeps(&self) -> Result<(), Fault> {
-        let noises = self.noises();
-        let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == READOUT_LSB.name)
-            || noises.iter().any(|noise| noise.readout_lsb > 0.0);
-        for sweep in self.sweeps {
-            if sweep.key.name == RATE.name && !pulses {
-                let message =
-                    "record.rate is swept, but a constant rate affects only a readout in whole pulses";
-                let help = "give noise.readout_lsb, or leave the sweep out";
-                return Err(sweep.fault(message, "no effect", help));
-            }
-            for noise in noises {
-                sweep::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
-            }
-        }
-        Ok(())
-    }
-
-    /// All points, in order.
+impl Base {
+    /// The study at all points of some sweeps, in order.
     ///
     /// # Errors
-    /// The first point that is invalid.
-    pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
-    }
-
-    /// The noise of the study, or that of each file of a sweep over files.
-    pub(crate) fn noises(&self) -> &[Noise] {
-        if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
-    }
-
-    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
-        let mut inputs = self.inputs.clone();
-        if let Some(noise) = selected(&self.files, &FILE, self.sweeps, &swept) {
-            inputs.noise = noise.clone();
+    /// A sweep over an absent part of the noise, or over a rate without effect, or the first point that is invalid.
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Allan, Fault> {
+        let noises = noise::all(&self.inputs.noise, &self.files);
+        let pulses = sweeps.iter().any(|sweep| sweep.key.name == READOUT_LSB.name)
+            || noises.iter().any(|noise| noise.readout_lsb > 0.0);
+        if let Some(sweep) = sweeps.iter().find(|sweep| sweep.key.name == RATE.name && !pulses) {
+            let message = "record.rate is swept, but a constant rate affects only a readout in whole pulses";
+            return Err(sweep.fault(message, "no effect", "give noise.readout_lsb, or leave the sweep out"));
         }
-        sweep::set(&mut inputs, &SETTINGS, &swept);
-        sweep::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
-        self.check(&inputs)?;
-        let ms = self.factors(&inputs, &swept)?;
-        Ok(Point { swept, inputs, ms })
-    }
-
-    /// Checks limits that involve more than one value.
-    fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
-        let Inputs { sample_s, length_s, noise, .. } = inputs;
-        let samples = inputs.samples();
-        if !(MIN_SAMPLES..=MAX_SAMPLES).contains(&samples) {
-            let label = if samples < MIN_SAMPLES { "too short" } else { "too long" };
-            let message = format!("record.length = {length_s} s is {samples} samples of {sample_s} s");
-            let [shortest, longest] =
-                [MIN_SAMPLES, MAX_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
-            let help =
-                format!("accepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples, {shortest} s to {longest} s here");
-            return self.places.refuse(&["record.length", "record.sample"], message, label, help);
-        }
-        noise.lock_in.map_or(Ok(()), |lock_in| lock_in.check(self.places))?;
-        let [_, sine_hz] = noise.of(Term::Sine);
-        if sine_hz * sample_s > 0.5 {
-            let nyquist = significant(0.5 / sample_s, 6);
-            let message = format!(
-                "noise.sine.frequency = {} Hz is above the Nyquist frequency of samples of {sample_s} s",
-                significant(sine_hz, 6)
-            );
-            let help = format!("accepted: up to {nyquist} Hz, or a shorter record.sample");
-            let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
-            return self.places.refuse(&names, message, "too high for the samples", help);
-        }
-        if let Some(switching) = noise.switching
-            && !(1..samples).contains(&switching.interval(*sample_s))
-        {
-            let interval = switching.interval(*sample_s);
-            let interval_s = significant(switching.interval_s, 6);
-            let message = match interval {
-                0 => format!(
-                    "noise.switching.interval = {interval_s} s is less than half a sample of {sample_s} s"
-                ),
-                _ => format!(
-                    "noise.switching.interval = {interval_s} s: there is no switch in a record of {length_s} s"
-                ),
-            };
-            let label = if interval == 0 { "too short" } else { "too long" };
-            let longest = significant((samples - 1) as f64 * sample_s, 6);
-            let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
-            let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
-            return self.places.refuse(&names, message, label, help);
-        }
-        let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
-        if is_silent && noise.switched(*sample_s).is_none() {
-            let message = "[noise] is empty: all records would be constant";
-            let help = "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
-            return self.places.refuse(&["noise"], message, "no noise", help);
-        }
-        Ok(())
+        noise::check_sweeps(&noises, places, sweeps)?;
+        let point = |(swept, Base { inputs, .. }): (Vec<_>, Base)| {
+            check(&inputs, places)?;
+            let ms = self.factors(&inputs, &swept, places)?;
+            Ok(Point { swept, inputs, ms })
+        };
+        let points = sweepable().points(self, sweeps).map(point).collect::<Result<Vec<Point>, Fault>>()?;
+        let terms = self.estimate.terms.clone().map(|terms| with_shapes(terms, &points));
+        Ok(Allan { estimator: self.estimate.estimator, terms, points, base: self.clone() })
     }
 
     /// The averaging factors of the point's records.
-    fn factors(&self, inputs: &Inputs, swept: &[(&'static str, Swept)]) -> Result<Vec<u64>, Fault> {
-        let Estimate { taus, estimator, .. } = self.estimate;
-        let place = || self.places.blame(&["allan.tau"]);
+    fn factors(
+        &self,
+        inputs: &Inputs,
+        swept: &[(&'static str, Swept)],
+        places: &SpanMap,
+    ) -> Result<Vec<u64>, Fault> {
+        let Estimate { taus, estimator, .. } = &self.estimate;
+        let place = || places.blame(&["allan.tau"]);
         if let Taus::Seconds(times) = taus {
             for tau_s in times {
                 let m = tau_s / inputs.sample_s;
@@ -424,4 +354,58 @@ impl Base<'_> {
         }
         Ok(ms)
     }
+}
+
+/// Checks limits that involve more than one value.
+fn check(inputs: &Inputs, places: &SpanMap) -> Result<(), Fault> {
+    let Inputs { sample_s, length_s, noise, .. } = inputs;
+    let samples = inputs.samples();
+    if !(MIN_SAMPLES..=MAX_SAMPLES).contains(&samples) {
+        let label = if samples < MIN_SAMPLES { "too short" } else { "too long" };
+        let message = format!("record.length = {length_s} s is {samples} samples of {sample_s} s");
+        let [shortest, longest] =
+            [MIN_SAMPLES, MAX_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
+        let help =
+            format!("accepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples, {shortest} s to {longest} s here");
+        return places.refuse(&["record.length", "record.sample"], message, label, help);
+    }
+    noise.lock_in.map_or(Ok(()), |lock_in| lock_in.check(places))?;
+    let [_, sine_hz] = noise.of(Term::Sine);
+    if sine_hz * sample_s > 0.5 {
+        let nyquist = significant(0.5 / sample_s, 6);
+        let message = format!(
+            "noise.sine.frequency = {} Hz is above the Nyquist frequency of samples of {sample_s} s",
+            significant(sine_hz, 6)
+        );
+        let help = format!("accepted: up to {nyquist} Hz, or a shorter record.sample");
+        let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
+        return places.refuse(&names, message, "too high for the samples", help);
+    }
+    if let Some(switching) = noise.switching
+        && !(1..samples).contains(&switching.interval(*sample_s))
+    {
+        let interval = switching.interval(*sample_s);
+        let interval_s = significant(switching.interval_s, 6);
+        let message = match interval {
+            0 => format!(
+                "noise.switching.interval = {interval_s} s is less than half a sample of {sample_s} s"
+            ),
+            _ => format!(
+                "noise.switching.interval = {interval_s} s: there is no switch in a record of {length_s} s"
+            ),
+        };
+        let label = if interval == 0 { "too short" } else { "too long" };
+        let longest = significant((samples - 1) as f64 * sample_s, 6);
+        let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
+        let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
+        return places.refuse(&names, message, label, help);
+    }
+    let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
+    if is_silent && noise.switched(*sample_s).is_none() {
+        let message = "[noise] is empty: all records would be constant";
+        let help =
+            "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
+        return places.refuse(&["noise"], message, "no noise", help);
+    }
+    Ok(())
 }

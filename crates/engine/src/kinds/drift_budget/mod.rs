@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema};
 use crate::drift::{self, Drift, END, End, RESIDUAL_MAX, SCHEDULE_SETTINGS, Schedule};
-use crate::key::sweep::{self, Swept};
+use crate::key::document::SpanMap;
+use crate::key::sweep::{Sweep, Sweepable, Swept};
 use crate::key::{Key, ParseContext};
 use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::sampling::Planned;
@@ -24,6 +25,8 @@ use sagnac_theory::drift::{Ending, Magnetic, Spread, switches};
 pub(crate) struct DriftBudget {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// What all points have in common.
+    base: Point,
 }
 
 /// One combination of swept values.
@@ -43,9 +46,10 @@ fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-fn sweepable() -> Vec<&'static Key> {
-    let settings = sweep::keys(&drift::SETTINGS).chain(sweep::keys(&SCHEDULE_SETTINGS));
-    settings.filter(|key| keys().iter().any(|known| known.name == key.name)).collect()
+fn sweepable() -> Sweepable<Point> {
+    Sweepable::new()
+        .part(&drift::SETTINGS, |point: &mut Point| Some(&mut point.drift))
+        .part(&SCHEDULE_SETTINGS, |point| Some(&mut point.schedule))
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -55,14 +59,22 @@ fn read(reading: &mut ParseContext) -> Result<DriftBudget, Wrong> {
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.set(&mut schedule, &SCHEDULE_SETTINGS)?;
     schedule.end = End::of(reading.get(&END));
-    let point = |swept: Vec<_>| {
-        let (mut drift, mut schedule) = (drift.clone(), schedule);
-        sweep::set(&mut drift, &drift::SETTINGS, &swept);
-        sweep::set(&mut schedule, &SCHEDULE_SETTINGS, &swept);
-        schedule.check(&reading.places)?;
-        Ok(Point { swept, drift, schedule })
-    };
-    Ok(DriftBudget { points: sweep::points(reading.sweeps).map(point).collect::<Result<_, Fault>>()? })
+    Ok(Point { swept: vec![], drift, schedule }.with_points(reading.sweeps, &reading.places)?)
+}
+
+impl Point {
+    /// The study whose points have these inputs, but for some sweeps.
+    ///
+    /// # Errors
+    /// The first point that is invalid.
+    fn with_points(self, sweeps: &[Sweep], places: &SpanMap) -> Result<DriftBudget, Fault> {
+        let point = |(swept, point): (Vec<_>, Point)| {
+            point.schedule.check(places)?;
+            Ok(Point { swept, ..point })
+        };
+        let points = sweepable().points(&self, sweeps).map(point).collect::<Result<_, Fault>>()?;
+        Ok(DriftBudget { points, base: self })
+    }
 }
 
 /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least.
@@ -77,7 +89,10 @@ pub(crate) static DRIFT_BUDGET: Kind = Kind {
     trials: 1_000_000,
     needs: &["drift", "switching", "run"],
     keys,
-    sweepable,
+    sweepable: || {
+        let swept = sweepable().keys().into_iter();
+        swept.filter(|key| keys().iter().any(|known| known.name == key.name)).collect()
+    },
     columns: &[(Source::Points, || abouts(&columns()))],
     kernels: || "none".to_owned(),
     loads: Vec::new,
@@ -94,7 +109,11 @@ impl Subject for DriftBudget {
         let point = self.points.get(point)?;
         let (parts, drifts) = study::points(&point.drift, &PARTS);
         let points = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
-        Some(Ablation { parts, subject: Arc::new(DriftBudget { points }) })
+        Some(Ablation { parts, subject: Arc::new(DriftBudget { points, ..self.clone() }) })
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        Ok(Arc::new(self.base.clone().with_points(sweeps, places)?))
     }
 
     fn grounds(&self) -> Vec<TableSchema> {

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use crate::filler::read::{Extrapolation, GAP_TICKS, Written};
 use crate::filler::{Fill, Method, Specification, Target, TickList};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{self, Setting, Sweep, Swept};
+use crate::key::sweep::{Setting, Sweep, Swept};
 use crate::key::{ParseContext, ValueType, keys, measure};
 use crate::kinds::TICK;
+use crate::kinds::gap_fill::sweepable;
 use crate::motion::keys::Design;
-use crate::motion::{self, Frequency, Gaussian, Motion, Profile, Tone};
+use crate::motion::{Frequency, Gaussian, Motion, Profile, Tone};
 use crate::noise::{self, NOISE, Noise};
 use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::quantity::number::significant;
@@ -271,46 +272,56 @@ impl Point {
     }
 }
 
-/// The inputs common to all points, with their places in the text.
-pub(crate) struct Base<'a> {
-    pub(crate) inputs: Inputs,
-    pub(crate) places: &'a SpanMap,
-    pub(crate) sweeps: &'a [Sweep],
-    pub(crate) fillers: &'a [Written],
+/// The ticks of the fillers, as written.
+#[derive(Debug)]
+pub(crate) struct Switch {
+    /// Whether `[noise]` gives the noise.
+    pub(crate) has_noise: bool,
+    pub(crate) fillers: Vec<Written>,
     pub(crate) fit_ticks: TickList,
     pub(crate) extrapolation_ticks: TickList,
 }
 
-impl Base<'_> {
-    /// All points, in order.
+impl Switch {
+    /// All points of some sweeps, in order.
     ///
     /// # Errors
     /// The first point that is invalid.
-    pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        let mut fills = HashMap::new();
-        sweep::points(self.sweeps).map(|swept| self.point(swept, &mut fills)).collect()
+    pub(crate) fn points(
+        &self,
+        inputs: &Inputs,
+        sweeps: &[Sweep],
+        places: &SpanMap,
+    ) -> Result<Vec<Point>, Fault> {
+        let (base, mut known) = (Base { switch: self, places }, HashMap::new());
+        let point = |(swept, inputs)| base.point(swept, inputs, &mut known);
+        sweepable().points(inputs, sweeps).map(point).collect()
     }
+}
 
+/// What all points have in common, with the places of the keys of the study.
+struct Base<'a> {
+    switch: &'a Switch,
+    places: &'a SpanMap,
+}
+
+impl Base<'_> {
     /// A point; `known` are the ticks of the fillers for each length of the gap so far.
     fn point(
         &self,
         swept: Vec<(&'static str, Swept)>,
+        mut inputs: Inputs,
         known: &mut HashMap<u32, Arc<[Fill]>>,
     ) -> Result<Point, Fault> {
-        let mut inputs = self.inputs.clone();
-        sweep::set(&mut inputs, &SETTINGS, &swept);
-        sweep::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
-        if let Some(mut vibration) = inputs.motion.vibration.clone() {
-            vibration.suspension = motion::KEYS.swept(&swept).unwrap_or(vibration.suspension);
+        if let Some(vibration) = inputs.motion.vibration.clone() {
             vibration.check(inputs.tick_s, MAX_TICK_RATES, self.places)?;
             vibration.add_to(&mut inputs.motion);
-            inputs.motion.vibration = Some(vibration);
         }
         self.check(&inputs)?;
         let fills = match known.get(&inputs.gap_ticks) {
             Some(fills) => fills.clone(),
             None => {
-                let fills = self.fillers.iter().map(|written| self.fill(written, &inputs));
+                let fills = self.switch.fillers.iter().map(|written| self.fill(written, &inputs));
                 let fills: Arc<[Fill]> = fills.collect::<Result<_, _>>()?;
                 known.entry(inputs.gap_ticks).or_insert(fills).clone()
             }
@@ -331,7 +342,7 @@ impl Base<'_> {
             let place = self.places.blame(&["motion.gaussian.high", "motion.gaussian", "gyro.tick"]);
             check_highest("motion.gaussian", high_hz, inputs, place)?;
         }
-        for Written { filler, span, .. } in self.fillers {
+        for Written { filler, span, .. } in &self.switch.fillers {
             if let Method::MinimumVariance(Target::Band(band)) = &filler.method {
                 check_highest(&filler.name, band.high_hz, inputs, span.clone())?;
             }
@@ -389,14 +400,15 @@ impl Base<'_> {
     fn fill(&self, written: &Written, inputs: &Inputs) -> Result<Fill, Fault> {
         let Written { filler, fit_ticks, extrapolation, span } = written;
         let n = inputs.gap_ticks;
-        let fit = fit_ticks.as_ref().unwrap_or(&self.fit_ticks);
+        let fit = fit_ticks.as_ref().unwrap_or(&self.switch.fit_ticks);
         let given = matches!(filler.method, Method::Weights { .. });
         let resolved = |list: &TickList| if given { list.resolve_in_order(n) } else { list.resolve(n) };
         let fit_ticks = resolved(fit)?;
         let (list, extrapolation_ticks) = match extrapolation {
             Extrapolation::None => (None, None),
             Extrapolation::Common => {
-                (Some(&self.extrapolation_ticks), Some(resolved(&self.extrapolation_ticks)?))
+                let common = &self.switch.extrapolation_ticks;
+                (Some(common), Some(resolved(common)?))
             }
             Extrapolation::Own(list) => (Some(list), Some(resolved(list)?)),
             Extrapolation::OfFit => {

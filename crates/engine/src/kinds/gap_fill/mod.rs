@@ -13,12 +13,13 @@ use crate::filler::read::{
     ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH, Written,
 };
 use crate::filler::{self, Closed, Filler, Method, Purpose, Target, TickList};
-use crate::key::document::SpannedValue;
-use crate::key::{self, Key, PRECISION, ParseContext, sweep};
-use crate::kinds::gap_fill::inputs::{Inputs, Point, RELOCK, SETTINGS, TICK_NOISE, TickNoise};
+use crate::key::document::{SpanMap, SpannedValue};
+use crate::key::sweep::{self, Sweep, Sweepable};
+use crate::key::{self, Key, PRECISION, ParseContext};
+use crate::kinds::gap_fill::inputs::{Inputs, Point, RELOCK, SETTINGS, Switch, TICK_NOISE, TickNoise};
 use crate::kinds::gap_fill::run::Proven;
 use crate::kinds::plan::PointsPlan;
-use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
+use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION, SuspensionKeys};
 use crate::motion::{self, Motion, Profile};
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
@@ -45,9 +46,21 @@ pub struct GapFill {
     pub errors: Vec<Error>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// The ticks of its fillers, and where they are written.
+    switch: Arc<Switch>,
 }
 
 impl GapFill {
+    /// The same switch at the points of other sweeps.
+    ///
+    /// # Errors
+    /// A sweep does not apply, or the first point that is invalid.
+    pub(crate) fn at_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<GapFill, Fault> {
+        check_sweeps(&self.inputs, self.switch.has_noise, sweeps)?;
+        let points = self.switch.points(&self.inputs, sweeps, places)?;
+        Ok(GapFill { points, ..self.clone() })
+    }
+
     /// Whether the fillers are judged on a specification, which has a residual only.
     pub(crate) fn is_specified(&self) -> bool {
         self.inputs.specification.is_some() && self.errors.contains(&Error::Residual)
@@ -65,11 +78,17 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-pub(crate) fn sweepable() -> Vec<&'static Key> {
+pub(crate) fn sweepable() -> Sweepable<Inputs> {
     // The gap comes last, as it does in a study.
-    let [gyro @ .., gap] = &SETTINGS;
-    let gyro = gyro.iter().map(|setting| setting.key);
-    gyro.chain(sweep::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
+    let (gyro, gap) = SETTINGS.split_at(SETTINGS.len() - 1);
+    Sweepable::new()
+        .own(gyro)
+        .part(&motion::keys::SETTINGS, |inputs: &mut Inputs| Some(&mut inputs.motion))
+        .own(gap)
+        .name(&SUSPENDED_GYRO, |inputs: &mut Inputs, name| {
+            let suspensions = inputs.motion.vibration.iter_mut().map(|vibration| &mut vibration.suspension);
+            suspensions.for_each(|suspension| SuspensionKeys::set(suspension, name));
+        })
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -82,28 +101,15 @@ pub(crate) fn read(reading: &mut ParseContext) -> Result<GapFill, Wrong> {
         profile.design = Design::Whole;
     }
     let errors = read_errors(reading.get(&ERRORS))?;
-    for sweep in reading.sweeps {
-        if reading.get(&noise::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
-            let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
-            return Err(sweep.fault(message, "a second noise", "leave one of them out").into());
-        }
-        sweep::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
-        if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
-            let message = "motion.suspension.gyro is swept, but the motion has no suspension";
-            let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
-            return Err(sweep.fault(message, "not in this study", help).into());
-        }
-    }
-    let base = inputs::Base {
-        inputs: inputs.clone(),
-        places: &reading.places,
-        sweeps: reading.sweeps,
-        fillers: &written_fillers,
+    check_sweeps(&inputs, reading.get(&noise::NOISE).is_some(), reading.sweeps)?;
+    let fillers: Vec<Filler> = written_fillers.iter().map(|written| written.filler.clone()).collect();
+    let switch = Switch {
+        has_noise: reading.get(&noise::NOISE).is_some(),
+        fillers: written_fillers,
         fit_ticks: TickList::read(Purpose::Residual, reading.get(&FIT_TICKS))?,
         extrapolation_ticks: TickList::read(Purpose::Extrapolation, reading.get(&EXTRAPOLATION_TICKS))?,
     };
-    let points = base.points()?;
-    let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
+    let points = switch.points(&inputs, reading.sweeps, &reading.places)?;
     reading.notes.extend(columns::of_motion(&inputs, &points));
     reading.notes.extend(columns::mismatch_note(&points, &fillers));
     reading.notes.extend(columns::interpolation_note(&points, &fillers));
@@ -116,7 +122,24 @@ pub(crate) fn read(reading: &mut ParseContext) -> Result<GapFill, Wrong> {
         let help = "leave precision out, or take position = \"random\"";
         return Err(written.fault(message, "cannot stop early", help).into());
     }
-    Ok(GapFill { inputs, fillers, errors, points })
+    Ok(GapFill { inputs, fillers, errors, points, switch: Arc::new(switch) })
+}
+
+/// Refuses sweeps that do not apply to the inputs; with `has_noise`, `[noise]` gives the noise.
+fn check_sweeps(inputs: &Inputs, has_noise: bool, sweeps: &[Sweep]) -> Result<(), Fault> {
+    for sweep in sweeps {
+        if has_noise && sweep.key.table() == TICK_NOISE.name {
+            let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
+            return Err(sweep.fault(message, "a second noise", "leave one of them out"));
+        }
+        sweep::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
+        if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
+            let message = "motion.suspension.gyro is swept, but the motion has no suspension";
+            let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
+            return Err(sweep.fault(message, "not in this study", help));
+        }
+    }
+    Ok(())
 }
 
 /// Reads the inputs, and notes what they leave out or assume.
@@ -181,7 +204,7 @@ pub static GAP_FILL: Kind = Kind {
     trials: 1_000_000,
     needs: &["gyro", "motion", "switching"],
     keys,
-    sweepable,
+    sweepable: || sweepable().keys(),
     columns: &[(Source::Points, columns::described)],
     kernels: || format!("gap_fill {VERSION}"),
     loads: crate::kinds::gap_fill::verify::loads,
@@ -199,6 +222,10 @@ impl Subject for GapFill {
     fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
         Some(Ablation { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        Ok(Arc::new(self.at_points(sweeps, places)?))
     }
 
     fn bytes(&self) -> u64 {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{self, Setting, Swept};
+use crate::key::sweep::{self, Setting, Sweep, Sweepable, Swept};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::coefficient_columns;
 use crate::kinds::allan::lower::MAX_SAMPLES;
@@ -38,6 +38,10 @@ pub struct LockInStudy {
     pub terms: Option<Terms>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// What all points have in common.
+    inputs: Inputs,
+    /// The averaging times, where the study needs some.
+    taus: Option<Taus>,
 }
 
 /// One combination of swept values.
@@ -57,8 +61,8 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-fn sweepable() -> Vec<&'static Key> {
-    sweep::keys(&SETTINGS).chain(sweep::keys(&lower::SETTINGS)).collect()
+fn sweepable() -> Sweepable<Inputs> {
+    Sweepable::new().own(&SETTINGS).own(&lower::SETTINGS)
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -80,10 +84,6 @@ pub(crate) fn read(reading: &mut ParseContext) -> Result<LockInStudy, Wrong> {
     };
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&READOUT, &allan::TAU]);
-    for sweep in reading.sweeps {
-        sweep::check_applies(sweep, &inputs, &SETTINGS, "the study without [dither]")?;
-        sweep::check_applies(sweep, &inputs, &lower::SETTINGS, "the motion")?;
-    }
     let keys = [&allan::TAU, &allan::FIT];
     let taus = keys.iter().any(|key| reading.get(key).is_some());
     let estimate = allan::columns::read(&reading.table)?;
@@ -93,16 +93,30 @@ pub(crate) fn read(reading: &mut ParseContext) -> Result<LockInStudy, Wrong> {
         let message = "allan.fit conflicts with estimator = \"non-overlapping\" in a study of lock-in";
         return Err(fit.fault(message, "adjacent groups are not fitted", "leave one of them out").into());
     }
-    let mut points = Vec::new();
-    for swept in sweep::points(reading.sweeps) {
-        let mut inputs = inputs.clone();
-        sweep::set(&mut inputs, &SETTINGS, &swept);
-        sweep::set(&mut inputs, &lower::SETTINGS, &swept);
-        let times = check(&inputs, taus.then_some(&estimate.taus), estimate.estimator, &reading.places)?;
-        points.push(Point { swept, inputs, times });
+    let taus = taus.then_some(estimate.taus);
+    let mut study =
+        LockInStudy { estimator: estimate.estimator, terms: estimate.terms, points: vec![], inputs, taus };
+    study.points = study.points_of(reading.sweeps, &reading.places)?;
+    reading.notes.extend(run::of(&study.points));
+    Ok(study)
+}
+
+impl LockInStudy {
+    /// All points of some sweeps, in order.
+    ///
+    /// # Errors
+    /// A sweep does not apply, or the first point that is invalid.
+    fn points_of(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Vec<Point>, Fault> {
+        for sweep in sweeps {
+            sweep::check_applies(sweep, &self.inputs, &SETTINGS, "the study without [dither]")?;
+            sweep::check_applies(sweep, &self.inputs, &lower::SETTINGS, "the motion")?;
+        }
+        let point = |(swept, inputs): (Vec<_>, Inputs)| {
+            let times = check(&inputs, self.taus.as_ref(), self.estimator, places)?;
+            Ok(Point { swept, inputs, times })
+        };
+        sweepable().points(&self.inputs, sweeps).map(point).collect()
     }
-    reading.notes.extend(run::of(&points));
-    Ok(LockInStudy { estimator: estimate.estimator, terms: estimate.terms, points })
 }
 
 words! {
@@ -440,7 +454,7 @@ pub(crate) static LOCK_IN: Kind = Kind {
     trials: 256,
     needs: &["gyro", "lock_in", "record"],
     keys,
-    sweepable,
+    sweepable: || sweepable().keys(),
     columns: &[
         (Source::Points, || abouts(&columns())),
         (Source::Coefficients, || abouts(&coefficient_columns())),
@@ -462,6 +476,11 @@ impl Subject for LockInStudy {
         let of = |inputs| Point { swept: swept.clone(), inputs, times: times.clone() };
         let points = inputs.into_iter().map(of).collect();
         Some(Ablation { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        let points = self.points_of(sweeps, places)?;
+        Ok(Arc::new(LockInStudy { points, ..self.clone() }))
     }
 
     fn bytes(&self) -> u64 {

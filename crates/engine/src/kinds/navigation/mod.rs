@@ -10,12 +10,14 @@ pub mod verify;
 use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema};
+use crate::key::document::SpanMap;
 use crate::key::sensitivity::{self, Uncertain};
-use crate::key::sweep::{self, Setting};
+use crate::key::sweep::{Setting, Sweep};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::navigation::columns::{LAWS, OF_FILTERS};
+use crate::kinds::navigation::point::Base;
 pub use crate::kinds::navigation::point::{Inputs, Point};
-use crate::noise::{self, FILE, WrittenNoise, coefficient_values, swept_files, values};
+use crate::noise::{self, WrittenNoise, coefficient_values, swept_files, values};
 pub use crate::noise::{Noise, Switching};
 use crate::sampling::Planned;
 use crate::study::{Ablation, Kind, Part, Study, Subject};
@@ -38,9 +40,18 @@ pub struct Navigation {
     pub uncertain: Vec<Uncertain>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// What all points have in common.
+    base: Base,
 }
 
 impl Navigation {
+    /// A study of one navigator with these inputs, without sweeps and with the coefficients as they are.
+    pub fn new(inputs: Inputs) -> Navigation {
+        let points = vec![Point { swept: vec![], inputs: inputs.clone(), lack: None }];
+        let base = Base { inputs, files: Arc::default(), filters: Arc::default() };
+        Navigation { solution: base.inputs.solution, draws: 1, uncertain: vec![], points, base }
+    }
+
     /// Whether a filter keeps the heading.
     pub(crate) fn has_filter(&self) -> bool {
         self.points.iter().any(|point| point.inputs.filter.is_some())
@@ -50,11 +61,6 @@ impl Navigation {
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
     [KEYS, noise::KEYS].concat()
-}
-
-/// The keys that can be swept.
-fn sweepable() -> Vec<&'static Key> {
-    sweep::keys(&SETTINGS).chain(sweep::keys(&noise::SETTINGS)).chain([&FILE, &FILTER]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
@@ -80,54 +86,63 @@ pub(crate) fn read(reading: &mut ParseContext) -> Result<Navigation, Wrong> {
     let files = swept_files(reading, &written)?;
     let filters = point::swept(reading)?;
     let (draws, uncertain) = read_draws(reading, &noise)?;
-    let base = point::Base {
-        inputs: Inputs { noise, ..inputs },
-        files,
-        filters,
-        places: &reading.places,
-        sweeps: reading.sweeps,
-    };
-    base.check_sweeps()?;
-    noise::check_switching(base.noises(), &reading.places, reading.sweeps)?;
-    let points = base.points()?;
+    let base = Base { inputs: Inputs { noise, ..inputs }, files, filters };
+    let points = base.points(reading.sweeps, &reading.places)?;
     let gyros = points.iter().filter_map(|point| Some((point.inputs.noise.lock_in?, 0.0)));
     reading.notes.extend(rounded(&points).into_iter().chain(noise::note(gyros)));
-    Ok(Navigation { solution, draws, uncertain, points })
+    Ok(Navigation { solution, draws, uncertain, points, base })
+}
+
+impl Solution {
+    /// The keys without effect on it.
+    fn unused(self) -> Vec<&'static Key> {
+        match self {
+            Solution::Inertial => vec![&FILTER],
+            Solution::Heading => vec![&LATITUDE, &SPEED, &COURSE],
+            Solution::Gyrocompass => vec![&DURATION, &CALIBRATION, &FILTER, &SPEED, &COURSE],
+        }
+    }
+}
+
+/// The message of a key without effect on the solution, and what to do about it.
+fn no_effect(solution: Solution, key: &Key) -> (String, &'static str) {
+    let message = format!("{} has no effect on solution = \"{}\"", key.name, solution.name());
+    (message, "leave it out, or take another navigation.solution")
+}
+
+/// Refuses a sweep without effect on the solution.
+fn check_swept(solution: Solution, sweeps: &[Sweep]) -> Result<(), Fault> {
+    let is_unused = |sweep: &&Sweep| solution.unused().iter().any(|key| std::ptr::eq(*key, sweep.key));
+    let Some(sweep) = sweeps.iter().find(is_unused) else { return Ok(()) };
+    let (message, help) = no_effect(solution, sweep.key);
+    Err(sweep.fault(message, "no effect", help))
 }
 
 /// Refuses a key without effect on the solution, and a missing one.
 fn check_keys(reading: &ParseContext, solution: Solution, calibrates: bool) -> Result<(), Fault> {
-    let (needed, unused): (&[&'static Key], &[&'static Key]) = match solution {
-        Solution::Inertial => (&[&DURATION, &LATITUDE], &[&FILTER]),
-        Solution::Heading => (&[&DURATION], &[&LATITUDE, &SPEED, &COURSE]),
-        Solution::Gyrocompass => {
-            (&[&ALIGNMENT, &LATITUDE], &[&DURATION, &CALIBRATION, &FILTER, &SPEED, &COURSE])
-        }
+    let needed: &[&'static Key] = match solution {
+        Solution::Inertial => &[&DURATION, &LATITUDE],
+        Solution::Heading => &[&DURATION],
+        Solution::Gyrocompass => &[&ALIGNMENT, &LATITUDE],
     };
-    let name = solution.name();
     let is_given = |key: &'static Key| reading.get(key).is_some() || reading.sweep(key).is_some();
-    for key in unused {
-        let message = format!("{} has no effect on solution = \"{name}\"", key.name);
-        let help = "leave it out, or take another navigation.solution";
-        if let Some(given) = reading.get(key) {
-            return Err(given.fault(message, "no effect", help));
-        }
-        if let Some(sweep) = reading.sweep(key) {
-            return Err(sweep.fault(message, "no effect", help));
-        }
+    if let Some(given) = solution.unused().iter().find_map(|key| reading.get(key)) {
+        let (message, help) = no_effect(solution, given.key);
+        return Err(given.fault(message, "no effect", help));
     }
+    check_swept(solution, reading.sweeps)?;
     if let Some(key) = needed.iter().find(|key| !is_given(key)) {
         let table = reading.table.span_of(&NAVIGATION_TABLE).unwrap_or_default();
         return Err(Fault::missing_key(key.name, key.example, table));
     }
-    let no_effect = |key: &'static Key, without: &'static Key, why: &str| match reading.get(key) {
+    let needs = |key: &'static Key, without: &'static Key, why: &str| match reading.get(key) {
         Some(given) if !is_given(without) => {
             let message = format!("{} has no effect without {}", key.name, without.name);
             Err(given.fault(message, "no effect", format!("{why}, or leave it out")))
         }
         _ => Ok(()),
     };
-    no_effect(&COURSE, &SPEED, "give a speed as in speed = \"250 m/s\"")?;
+    needs(&COURSE, &SPEED, "give a speed as in speed = \"250 m/s\"")?;
     if is_given(&FILTER) {
         if let Some(given) = reading.get(&CALIBRATION) {
             let message =
@@ -141,7 +156,7 @@ fn check_keys(reading: &ParseContext, solution: Solution, calibrates: bool) -> R
             return Err(Fault::new(table, message, "without alignment", help));
         }
     } else if calibrates || solution != Solution::Heading {
-        no_effect(&CALIBRATION, &ALIGNMENT, "give a time as in alignment = \"10 min\"")?;
+        needs(&CALIBRATION, &ALIGNMENT, "give a time as in alignment = \"10 min\"")?;
     } else if let Some(given) = reading.get(&ALIGNMENT) {
         let message = "navigation.alignment of solution = \"heading\" is for a calibration or a filter, and there is none";
         return Err(given.fault(
@@ -157,7 +172,7 @@ fn check_keys(reading: &ParseContext, solution: Solution, calibrates: bool) -> R
 fn read_draws(reading: &ParseContext, noise: &Noise) -> Result<(u64, Vec<Uncertain>), Fault> {
     let Some(given) = reading.get(&DRAWS) else { return Ok((1, vec![])) };
     let draws = given.whole()?.cast_unsigned();
-    let uncertain = sensitivity::read_all(&reading.table, &keys(), &sweepable(), &[])?;
+    let uncertain = sensitivity::read_all(&reading.table, &keys(), &point::sweepable().keys(), &[])?;
     let help = "add the interval of a coefficient as `sagnac allan` gives it:\n[[sensitivity]]\nkey = \"noise.bias_instability\"\n\
                 interval = { value = \"0.0016 deg/h\", low = \"0.0012 deg/h\", high = \"0.0022 deg/h\" }";
     if uncertain.is_empty() {
@@ -246,7 +261,7 @@ pub(crate) static NAVIGATION: Kind = Kind {
     trials: 1000,
     needs: &["navigation", "noise"],
     keys,
-    sweepable,
+    sweepable: || point::sweepable().keys(),
     columns: &[(Source::Points, columns::described)],
     kernels: || format!("navigation {VERSION}"),
     loads: crate::kinds::navigation::verify::loads,
@@ -262,6 +277,12 @@ impl Subject for Navigation {
     fn dissected(&self, point: usize) -> Option<Ablation> {
         let (parts, points) = dissected(self.points.get(point)?);
         Some(Ablation { parts, subject: Arc::new(Navigation { points, ..self.clone() }) })
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        check_swept(self.solution, sweeps)?;
+        let points = self.base.points(sweeps, places)?;
+        Ok(Arc::new(Navigation { points, ..self.clone() }))
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {

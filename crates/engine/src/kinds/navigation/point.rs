@@ -9,10 +9,10 @@ use serde_json::value::RawValue;
 
 use crate::key::ParseContext;
 use crate::key::document::SpanMap;
-use crate::key::sweep::{self, Sweep, Swept, selected};
+use crate::key::sweep::{Sweep, Sweepable, Swept, of_name};
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::{FILTER, Lack, SETTINGS, Solution};
-use crate::noise::{FILE, Noise, SETTINGS as NOISE_SETTINGS};
+use crate::noise::{self, FILE, Noise, NoiseFiles};
 use sagnac_base::diagnostics::{Fault, Text, Wrong};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::text_file::{InputFiles, MAX_TOML};
@@ -140,58 +140,48 @@ pub struct Point {
     pub lack: Option<Lack>,
 }
 
-/// The inputs common to all points, with their places in the text.
-pub(crate) struct Base<'a> {
+/// The inputs common to all points.
+#[derive(Debug, Clone)]
+pub(crate) struct Base {
     pub(crate) inputs: Inputs,
     /// The noise of each file of a sweep over files, combined with the keys of the study.
-    pub(crate) files: Vec<Noise>,
+    pub(crate) files: NoiseFiles,
     /// The noise model of each file of a sweep over filters.
-    pub(crate) filters: Vec<Model>,
-    pub(crate) places: &'a SpanMap,
-    pub(crate) sweeps: &'a [Sweep],
+    pub(crate) filters: Arc<[(String, Model)]>,
 }
 
-impl Base<'_> {
-    /// The noise of the study, or that of each file of a sweep over files.
-    pub(crate) fn noises(&self) -> &[Noise] {
-        if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
-    }
+/// The keys that can be swept.
+pub(crate) fn sweepable() -> Sweepable<Base> {
+    Sweepable::new()
+        .part(&SETTINGS, |base: &mut Base| Some(&mut base.inputs))
+        .part(&noise::SETTINGS, |base| Some(&mut base.inputs.noise))
+        .name(&FILE, |base: &mut Base, name| {
+            base.inputs.noise = of_name(&base.files, name).unwrap_or_default();
+        })
+        .name(&FILTER, |base: &mut Base, name| base.inputs.filter = of_name(&base.filters, name))
+}
 
-    /// Refuses sweeps over absent parts of the noise.
+impl Base {
+    /// All points of some sweeps, in order.
     ///
     /// # Errors
-    /// The first such sweep.
-    pub(crate) fn check_sweeps(&self) -> Result<(), Fault> {
-        for sweep in self.sweeps {
-            for noise in self.noises() {
-                sweep::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
-            }
-        }
-        Ok(())
+    /// A sweep over an absent part of the noise, or the first point that is invalid.
+    pub(crate) fn points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Vec<Point>, Fault> {
+        noise::check_sweeps(&noise::all(&self.inputs.noise, &self.files), places, sweeps)?;
+        let point = |(swept, Base { inputs, .. }): (Vec<_>, Base)| {
+            Check { places }.check(&inputs)?;
+            Ok(Point { swept, inputs, lack: None })
+        };
+        sweepable().points(self, sweeps).map(point).collect()
     }
+}
 
-    /// All points, in order.
-    ///
-    /// # Errors
-    /// The first point that is invalid.
-    pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
-    }
+/// The checks of a point, with the places of the keys of its study.
+struct Check<'a> {
+    places: &'a SpanMap,
+}
 
-    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
-        let mut inputs = self.inputs.clone();
-        if let Some(noise) = selected(&self.files, &FILE, self.sweeps, &swept) {
-            inputs.noise = noise.clone();
-        }
-        if let Some(model) = selected(&self.filters, &FILTER, self.sweeps, &swept) {
-            inputs.filter = Some(model.clone());
-        }
-        sweep::set(&mut inputs, &SETTINGS, &swept);
-        sweep::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
-        self.check(&inputs)?;
-        Ok(Point { swept, inputs, lack: None })
-    }
-
+impl Check<'_> {
     /// Checks limits that involve more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
         self.check_samples(inputs)?;
@@ -331,9 +321,9 @@ pub(crate) fn written(reading: &ParseContext) -> Result<Option<Model>, Wrong> {
 }
 
 /// The model of each file of a sweep.
-pub(crate) fn swept(reading: &ParseContext) -> Result<Vec<Model>, Wrong> {
-    let files = reading.sweep(&FILTER).into_iter().flat_map(|sweep| &sweep.files);
-    files.map(|file| read(file.get_ref(), file.span(), reading.files)).collect()
+pub(crate) fn swept(reading: &ParseContext) -> Result<Arc<[(String, Model)]>, Wrong> {
+    let files = reading.sweep(&FILTER).into_iter().flat_map(Sweep::named_files);
+    files.map(|(name, file)| Ok((name, read(file.get_ref(), file.span(), reading.files)?))).collect()
 }
 
 /// Reads the file of this name, which is at `span` of the study.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::device::{Work, Workload};
 use crate::key::Streams;
 use crate::kinds::navigation::lower::Lowered;
-use crate::kinds::navigation::{Inputs, Navigation, Point, Solution};
+use crate::kinds::navigation::{Inputs, Navigation, Solution};
 use crate::noise::{Noise, Switching};
 use sagnac_theory::allan::terms::Term;
 
@@ -15,18 +15,18 @@ const LGK_400: [(Term, f64); 3] =
 
 /// A navigator at 60° whose gyros have this noise, with samples of 1 s.
 pub fn navigator(solution: Solution, noise: Noise, duration_s: f64) -> Lowered {
-    let (point, study) = asked(solution, noise, duration_s);
-    let lowered = Lowered::new(&point, &study, SEED, Streams::Independent);
+    let study = asked(solution, noise, duration_s);
+    let lowered = Lowered::new(&study.points[0], &study, SEED, Streams::Independent);
     lowered.unwrap_or_else(|error| panic!("a named navigator does not lower: {error}"))
 }
 
 /// The seed of named navigators.
 const SEED: u64 = 1;
 
-/// The point of such a navigator, and its study.
-fn asked(solution: Solution, noise: Noise, duration_s: f64) -> (Point, Navigation) {
+/// The study of such a navigator.
+fn asked(solution: Solution, noise: Noise, duration_s: f64) -> Navigation {
     let is_compass = solution == Solution::Gyrocompass;
-    let inputs = Inputs {
+    Navigation::new(Inputs {
         solution,
         duration_s: if is_compass { 0.0 } else { duration_s },
         alignment_s: if is_compass { duration_s } else { 0.0 },
@@ -37,9 +37,7 @@ fn asked(solution: Solution, noise: Noise, duration_s: f64) -> (Point, Navigatio
         course_arcsec: 0.0,
         sample_s: Some(1.0),
         noise,
-    };
-    let point = Point { swept: vec![], inputs, lack: None };
-    (point, Navigation { solution, draws: 1, uncertain: vec![], points: vec![] })
+    })
 }
 
 /// A noise with these coefficients, in ″ and s.
@@ -109,9 +107,10 @@ mod tests {
 
     /// The largest difference from the closed form of the inputs, and the least and the largest ratio of a bound to its rms.
     fn compare(name: &str, solution: Solution, noise: Noise, duration_s: f64) -> (f64, f64) {
-        let (point, study) = asked(solution, noise, duration_s);
-        let lowered = Lowered::new(&point, &study, SEED, Streams::Independent).unwrap();
-        let physical = PhysicalTheory::new(&point, &study, SEED);
+        let study = asked(solution, noise, duration_s);
+        let point = &study.points[0];
+        let lowered = Lowered::new(point, &study, SEED, Streams::Independent).unwrap();
+        let physical = PhysicalTheory::new(point, &study, SEED);
         let (mut most, mut loosest) = (0.0_f64, 0.0_f64);
         for quantity in Quantity::of(solution) {
             let errors = quantity.errors();

@@ -7,7 +7,8 @@ pub mod verify;
 use std::sync::Arc;
 
 use crate::chart::{Law, Source, TableSchema, Text};
-use crate::key::sweep::{self, Setting, Swept};
+use crate::key::document::SpanMap;
+use crate::key::sweep::{Setting, Sweep, Sweepable, Swept};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, unlimited, words};
 use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
@@ -74,21 +75,21 @@ fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-fn sweepable() -> Vec<&'static Key> {
-    sweep::keys(&SETTINGS).chain(sweep::keys(&LOOP_SETTINGS)).collect()
+fn sweepable() -> Sweepable<RelockInputs> {
+    Sweepable::new().own(&SETTINGS).part(&LOOP_SETTINGS, |inputs| Some(&mut inputs.relock))
 }
 
 /// Reads the part of a study that belongs to this kind.
 fn read(reading: &mut ParseContext) -> Result<RelockStudy, Wrong> {
     let mut inputs = RelockInputs { tick_s: 0.0, relock: read_loop(reading)? };
     reading.set(&mut inputs, &SETTINGS)?;
-    let points = sweep::points(reading.sweeps).map(|swept| {
-        let mut inputs = inputs.clone();
-        sweep::set(&mut inputs, &SETTINGS, &swept);
-        sweep::set(&mut inputs.relock, &LOOP_SETTINGS, &swept);
-        RelockPoint { swept, inputs }
-    });
-    Ok(RelockStudy { points: points.collect(), inputs })
+    Ok(RelockStudy { points: points(&inputs, reading.sweeps), inputs })
+}
+
+/// All points of some sweeps, in order.
+fn points(inputs: &RelockInputs, sweeps: &[Sweep]) -> Vec<RelockPoint> {
+    let point = |(swept, inputs)| RelockPoint { swept, inputs };
+    sweepable().points(inputs, sweeps).map(point).collect()
 }
 
 words! {
@@ -316,7 +317,7 @@ pub static RELOCK: Kind = Kind {
     trials: 1_000_000,
     needs: &["gyro", "relock"],
     keys,
-    sweepable,
+    sweepable: || sweepable().keys(),
     columns: &[(Source::Points, described)],
     kernels,
     loads: crate::kinds::relock::verify::loads,
@@ -347,6 +348,10 @@ impl Subject for RelockStudy {
     fn bytes(&self) -> u64 {
         let ticks = self.inputs.relock.ticks as u64 + 1;
         ROW * (self.points.len() * Compensation::ALL.len()) as u64 * ticks
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], _: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        Ok(Arc::new(RelockStudy { points: points(&self.inputs, sweeps), inputs: self.inputs.clone() }))
     }
 
     fn grounds(&self) -> Vec<TableSchema> {

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema};
-use crate::key::sweep::{self, Setting, Swept};
+use crate::key::document::SpanMap;
+use crate::key::sweep::{Setting, Sweep, Sweepable, Swept};
 use crate::key::{Key, ParseContext, ValueType, keys, measure};
 use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use crate::sampling::Planned;
 use crate::study::{Kind, Study, Subject};
-use sagnac_base::diagnostics::Wrong;
+use sagnac_base::diagnostics::{Fault, Wrong};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::Dimension;
 use sagnac_base::table::column::abouts;
@@ -21,6 +22,8 @@ use sagnac_theory::vibration::{Response, Suspension};
 pub(crate) struct SuspensionStudy {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// What all points have in common.
+    base: Point,
 }
 
 /// One combination of swept values.
@@ -35,6 +38,12 @@ pub(crate) struct Point {
 }
 
 impl Point {
+    /// The study whose points have these inputs, but for some sweeps.
+    fn with_points(self, sweeps: &[Sweep]) -> SuspensionStudy {
+        let points = sweepable().points(&self, sweeps).map(|(swept, point)| Point { swept, ..point });
+        SuspensionStudy { points: points.collect(), base: self }
+    }
+
     pub(crate) fn response(&self) -> Response {
         self.suspension.response(self.frequency_hz)
     }
@@ -78,27 +87,22 @@ fn keys() -> Vec<&'static Key> {
 }
 
 /// The keys that can be swept.
-fn sweepable() -> Vec<&'static Key> {
-    vec![&FREQUENCY, &GYRO]
+fn sweepable() -> Sweepable<Point> {
+    let gyro = |point: &mut Point, name: &str| SuspensionKeys::set(&mut point.suspension, name);
+    Sweepable::new().own(&SETTINGS).name(&GYRO, gyro)
 }
 
 /// Reads the part of a study that belongs to this kind.
 fn read(reading: &mut ParseContext) -> Result<SuspensionStudy, Wrong> {
     reading.note(&[&SUSPENSION_TABLE]);
     let suspension = OF_SUSPENSION.read(reading)?;
-    let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
+    let mut base = Point { swept: vec![], suspension, frequency_hz: 0.0 };
     if reading.sweep(&FREQUENCY).is_none() {
         reading.table.needed(&FREQUENCY)?;
     }
-    reading.set(&mut point, &SETTINGS)?;
-    let points = sweep::points(reading.sweeps).map(|swept| {
-        let mut point = point.clone();
-        sweep::set(&mut point, &SETTINGS, &swept);
-        let suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
-        Point { swept, suspension, ..point }
-    });
+    reading.set(&mut base, &SETTINGS)?;
     reading.notes.extend(OF_SUSPENSION.assumed(reading));
-    Ok(SuspensionStudy { points: points.collect() })
+    Ok(base.with_points(reading.sweeps))
 }
 
 /// The rotation of a gyro on its suspension under vibration.
@@ -112,7 +116,7 @@ pub(crate) static SUSPENSION: Kind = Kind {
     trials: 1_000_000,
     needs: &["suspension"],
     keys,
-    sweepable,
+    sweepable: || sweepable().keys(),
     columns: &[(Source::Points, || abouts(&columns()))],
     kernels: || "none".to_owned(),
     loads: Vec::new,
@@ -123,6 +127,10 @@ impl Subject for SuspensionStudy {
     fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
         let table = table(&study.sweeps, &columns(), &self.points, |point| &point.swept);
         Ok(Some(Box::new(ClosedFormPlan(table))))
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], _: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        Ok(Arc::new(self.base.clone().with_points(sweeps)))
     }
 
     fn grounds(&self) -> Vec<TableSchema> {

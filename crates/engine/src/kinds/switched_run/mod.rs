@@ -12,7 +12,8 @@ use crate::drift::{self, DRIFT, Drift, END, End, RESIDUAL_MAX, Schedule};
 use crate::filler::Filler;
 use crate::filler::read::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
 use crate::key::document::{SpanMap, SpannedValue};
-use crate::key::{Key, ParseContext, ValueType, keys, sweep, unlimited, words};
+use crate::key::sweep::Sweep;
+use crate::key::{Key, ParseContext, ValueType, keys, unlimited, words};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock;
@@ -82,6 +83,8 @@ pub struct SwitchedRun {
     pub trajectories: u64,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
+    /// What all points have in common.
+    pub base: point::Base,
 }
 
 /// An angle of a run.
@@ -127,12 +130,6 @@ fn keys() -> Vec<&'static Key> {
     [&run[..], &gap_fill::keys_of_fill(), &point::keys()].concat()
 }
 
-/// The keys that can be swept.
-pub fn sweepable() -> Vec<&'static Key> {
-    let run = sweep::keys(&drift::SCHEDULE_SETTINGS).chain(sweep::keys(&drift::SETTINGS));
-    run.chain(gap_fill::sweepable()).chain(point::sweepable()).collect()
-}
-
 /// Reads the part of a study that belongs to this kind.
 fn read(reading: &mut ParseContext) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
@@ -142,45 +139,63 @@ fn read(reading: &mut ParseContext) -> Result<SwitchedRun, Wrong> {
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;
     let relock = point::read(reading, fill.as_ref())?;
+    let base = point::Base { drift, schedule, relock };
+    check_sweeps(&base, fill.as_ref(), reading.sweeps)?;
     let times = read_times(reading)?;
     let trajectories = match reading.get(&TRAJECTORIES) {
         Some(given) => given.whole()?.cast_unsigned(),
         None => 0,
     };
-    let (places, sweeps) = (&reading.places, reading.sweeps);
-    let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
-    let (points, rounded) = base.points()?;
-    check_moves(&points, places)?;
+    let (points, rounded) = base.points(fill.as_ref(), &times, reading.sweeps, &reading.places)?;
     let timing = Timing::of(reading.get(&TIMING));
     // The points need the switch, whose notes are there already; what is rounded comes before them.
     reading.notes.splice(0..0, rounded);
     reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
     let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
-    Ok(SwitchedRun { first_mode, timing, fill, times, trajectories, points })
+    Ok(SwitchedRun { first_mode, timing, fill, times, trajectories, points, base })
 }
 
-/// Refuses runs whose angle stays at 0 at every point.
-fn check_moves(points: &[Point], places: &SpanMap) -> Result<(), Fault> {
-    let still = |point: &Point| {
-        let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
-        point.drift.is_nothing() && !filled && point.relock.is_none()
-    };
-    if !points.iter().all(still) {
-        return Ok(());
+/// The keys that can be swept.
+pub fn sweepable() -> Vec<&'static Key> {
+    point::sweepable().keys()
+}
+
+/// Refuses sweeps over parts that the study does not have.
+fn check_sweeps(base: &point::Base, fill: Option<&GapFill>, sweeps: &[Sweep]) -> Result<(), Fault> {
+    let is_of = |keys: &[&'static Key], sweep: &Sweep| keys.iter().any(|key| key.name == sweep.key.name);
+    let (of_fill, of_relock) = (gap_fill::sweepable().keys(), point::of_relock().keys());
+    for sweep in sweeps {
+        let name = sweep.key.name;
+        if fill.is_none() && is_of(&of_fill, sweep) {
+            let help =
+                "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
+            let message = format!("{name} is swept, but there are no fillers");
+            return Err(sweep.fault(message, "not in this study", help));
+        }
+        if fill.is_some() && std::ptr::eq(sweep.key, &RESIDUAL_MAX) {
+            return Err(second_residual(sweep.span.clone()));
+        }
+        if base.relock.is_none() && is_of(&of_relock, sweep) {
+            let message = format!("{name} is swept, but there is no [relock]");
+            let help = "add the table [relock], or leave the sweep out";
+            return Err(sweep.fault(message, "not in this study", help));
+        }
     }
-    let message = "there is no drift and no residual of a switch: all runs would stay at 0";
-    let help = "add a part of it as in\n[drift]\nmagnetic = \"14 arcsec/s\"\nresidual_max = \"10 arcsec\"";
-    places.refuse(&["drift", "kind"], message, "no drift", help)
+    Ok(())
+}
+
+/// The fault of a largest residual beside fillers.
+fn second_residual(span: std::ops::Range<usize>) -> Fault {
+    let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
+    let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
+    Fault::new(span, message, "a second residual", help)
 }
 
 /// Reads the switch, where fillers are given.
 fn read_fill(reading: &mut ParseContext, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
-            let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
-            let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
-            let place = reading.places.blame(&[RESIDUAL_MAX.name]);
-            return Err(Fault::new(place, message, "a second residual", help).into());
+            return Err(second_residual(reading.places.blame(&[RESIDUAL_MAX.name])).into());
         }
         return Ok(Some(gap_fill::read(reading)?));
     }
@@ -191,14 +206,6 @@ fn read_fill(reading: &mut ParseContext, drift: &Drift) -> Result<Option<GapFill
         let message = format!("{name} determines the residuals, but switching.fillers is missing");
         let help = "add fillers = [\"const\", \"quadratic\"] to [switching], or leave it out and give drift.residual_max";
         return Err(written.fault(message, "no effect without fillers", help).into());
-    }
-    for sweep in reading.sweeps {
-        if gap_fill::sweepable().iter().any(|key| key.name == sweep.key.name) {
-            let message = format!("{} is swept, but there are no fillers", sweep.key.name);
-            let help =
-                "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
-            return Err(sweep.fault(message, "not in this study", help).into());
-        }
     }
     Ok(None)
 }
@@ -298,6 +305,13 @@ impl Subject for SwitchedRun {
             of_point.fills = [of_point.fills.get(filler)?.clone()].into();
         }
         Some((Arc::new(only), angle))
+    }
+
+    fn with_points(&self, sweeps: &[Sweep], places: &SpanMap) -> Result<Arc<dyn Subject>, Fault> {
+        check_sweeps(&self.base, self.fill.as_ref(), sweeps)?;
+        let fill = self.fill.as_ref().map(|fill| fill.at_points(sweeps, places)).transpose()?;
+        let (points, _) = self.base.points(fill.as_ref(), &self.times, sweeps, places)?;
+        Ok(Arc::new(SwitchedRun { fill, points, ..self.clone() }))
     }
 
     fn bytes(&self) -> u64 {

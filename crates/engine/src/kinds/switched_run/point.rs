@@ -2,10 +2,10 @@
 
 use crate::drift::{self, Drift, End, Schedule};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{self, Sweep, Swept};
+use crate::key::sweep::{Sweep, Sweepable, Swept};
 use crate::key::{Key, ParseContext, ValueType, keys};
 use crate::kinds::gap_fill::{self, GapFill};
-use crate::kinds::relock::{self, Compensation, LOOP_SETTINGS as RELOCK_SETTINGS, RELOCK_TABLE, Relock};
+use crate::kinds::relock::{self, Compensation, RELOCK_TABLE, Relock};
 use sagnac_base::diagnostics::Fault;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::round_12;
@@ -94,24 +94,61 @@ fn ticks_round_a_switch(fill: &gap_fill::inputs::Point) -> f64 {
     f64::from(last - first + 1)
 }
 
-/// The inputs common to all points, with their places in the text.
-pub(crate) struct Base<'a> {
-    pub(crate) drift: Drift,
-    pub(crate) schedule: Schedule,
-    pub(crate) fill: Option<&'a GapFill>,
-    pub(crate) relock: Option<Relocking>,
-    pub(crate) times: &'a [f64],
-    pub(crate) places: &'a SpanMap,
-    pub(crate) sweeps: &'a [Sweep],
+/// The inputs common to all points, except the switch.
+#[derive(Debug, Clone)]
+pub struct Base {
+    /// The parts of the drift, with their spreads.
+    pub drift: Drift,
+    /// Schedule as written.
+    pub schedule: Schedule,
+    /// The relock after each switch.
+    pub relock: Option<Relocking>,
 }
 
-impl Base<'_> {
-    /// All points, in order, and a note on rounded intervals.
-    pub(crate) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
-        let (mut points, mut rounded) = (Vec::new(), Vec::new());
-        for (index, swept) in sweep::points(self.sweeps).enumerate() {
-            points.push(self.point(index, swept, &mut rounded)?);
+/// The keys that can be swept.
+pub(crate) fn sweepable() -> Sweepable<Base> {
+    let run = Sweepable::new()
+        .part(&drift::SCHEDULE_SETTINGS, |base: &mut Base| Some(&mut base.schedule))
+        .part(&drift::SETTINGS, |base| Some(&mut base.drift))
+        .elsewhere(gap_fill::sweepable().keys());
+    with_relock(run)
+}
+
+/// The keys of a relock that can be swept.
+pub(crate) fn of_relock() -> Sweepable<Base> {
+    with_relock(Sweepable::new())
+}
+
+fn with_relock(keys: Sweepable<Base>) -> Sweepable<Base> {
+    let keys = keys.part(&relock::LOOP_SETTINGS, |base| Some(&mut base.relock.as_mut()?.relock));
+    keys.name(&COMPENSATION, |base, name| {
+        let named = Compensation::ALL.into_iter().find(|compensation| compensation.name() == name);
+        if let (Some(relocking), Some(compensation)) = (&mut base.relock, named) {
+            relocking.compensation = compensation;
         }
+    })
+}
+
+impl Base {
+    /// All points of some sweeps, in order, and a note on rounded intervals. `fill` is the switch at these points, and
+    /// angles are estimated at some `times`.
+    ///
+    /// # Errors
+    /// The first point that is invalid; or nothing moves at any point.
+    pub(crate) fn points(
+        &self,
+        fill: Option<&GapFill>,
+        times: &[f64],
+        sweeps: &[Sweep],
+        places: &SpanMap,
+    ) -> Result<(Vec<Point>, Option<String>), Fault> {
+        let (mut points, mut rounded) = (Vec::new(), Vec::new());
+        let check = Check { times, places };
+        for (index, (swept, base)) in sweepable().points(self, sweeps).enumerate() {
+            let fill = fill.map(|fill| fill.points[index].clone());
+            points.push(check.point(swept, base, fill, &mut rounded)?);
+        }
+        check.moves(&points)?;
         rounded.dedup();
         let note = rounded.first().map(|first| match rounded.len() - 1 {
             0 => format!("switching.interval is rounded to whole ticks: {first}"),
@@ -120,29 +157,45 @@ impl Base<'_> {
         });
         Ok((points, note))
     }
+}
 
+/// The checks of points, with the places of the keys of the study.
+struct Check<'a> {
+    times: &'a [f64],
+    places: &'a SpanMap,
+}
+
+impl Check<'_> {
     fn point(
         &self,
-        index: usize,
         swept: Vec<(&'static str, Swept)>,
+        base: Base,
+        fill: Option<gap_fill::inputs::Point>,
         rounded: &mut Vec<String>,
     ) -> Result<Point, Fault> {
-        let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
-        sweep::set(&mut drift, &drift::SETTINGS, &swept);
-        sweep::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
-        let fill = self.fill.map(|fill| fill.points[index].clone());
+        let Base { drift, mut schedule, relock } = base;
         if let Some(fill) = &fill {
             schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
-        }
-        let mut relock = self.relock.clone();
-        if let Some(relocking) = &mut relock {
-            sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
-            relocking.compensation = swept_compensation(&swept).unwrap_or(relocking.compensation);
         }
         schedule.check(self.places)?;
         self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
         self.check(&drift, schedule)?;
         Ok(Point { swept, drift, schedule, fill, relock })
+    }
+
+    /// Refuses runs whose angle stays at 0 at every point.
+    fn moves(&self, points: &[Point]) -> Result<(), Fault> {
+        let still = |point: &Point| {
+            let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
+            point.drift.is_nothing() && !filled && point.relock.is_none()
+        };
+        if !points.iter().all(still) {
+            return Ok(());
+        }
+        let message = "there is no drift and no residual of a switch: all runs would stay at 0";
+        let help =
+            "add a part of it as in\n[drift]\nmagnetic = \"14 arcsec/s\"\nresidual_max = \"10 arcsec\"";
+        self.places.refuse(&["drift", "kind"], message, "no drift", help)
     }
 
     /// The nearest interval of whole ticks.
@@ -268,27 +321,9 @@ pub(crate) fn keys() -> Vec<&'static Key> {
     [relock::KEYS, KEYS].concat()
 }
 
-/// The keys of a relock that can be swept.
-pub(crate) fn sweepable() -> impl Iterator<Item = &'static Key> {
-    sweep::keys(&relock::LOOP_SETTINGS).chain([&COMPENSATION])
-}
-
-/// The compensation selected by a sweep.
-fn swept_compensation(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
-    let name = sweep::named(swept, &COMPENSATION)?;
-    Compensation::ALL.into_iter().find(|compensation| compensation.name() == name)
-}
-
 /// Reads the relock, if there is one.
 pub(crate) fn read(reading: &mut ParseContext, fill: Option<&GapFill>) -> Result<Option<Relocking>, Fault> {
-    let Some(table) = reading.get(&RELOCK_TABLE) else {
-        let of_relock = |name: &str| sweepable().any(|key| key.name == name);
-        return reading.sweeps.iter().find(|sweep| of_relock(sweep.key.name)).map_or(Ok(None), |sweep| {
-            let message = format!("{} is swept, but there is no [relock]", sweep.key.name);
-            let help = "add the table [relock], or leave the sweep out";
-            Err(sweep.fault(message, "not in this study", help))
-        });
-    };
+    let Some(table) = reading.get(&RELOCK_TABLE) else { return Ok(None) };
     if fill.is_none() {
         let message = "[relock] needs fillers and ticks, and there are none";
         let help = "add [gyro], [motion] and switching.fillers, or leave [relock] out";

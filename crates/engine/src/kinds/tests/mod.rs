@@ -6,7 +6,9 @@ mod refusals;
 
 use std::path::Path;
 
+use crate::key::Key;
 use crate::key::sweep::{Scale, Swept};
+use crate::kinds::KINDS;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::schema;
@@ -279,6 +281,60 @@ fn a_resolved_study_has_its_seed_and_trials_whatever_its_form() {
             assert_eq!(again.resolved(again.trials), resolved);
             assert_eq!(resolved.contains("0x10"), text.contains("0x10") && seed == 16, "{resolved}");
             assert_eq!(resolved.contains("# hex"), text.contains("# hex"), "{resolved}");
+        }
+    }
+}
+
+/// The studies of `studies/`, and those of the templates.
+fn all_studies() -> Vec<Study> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    let shipped = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let shipped = shipped.filter(|path| path.extension().is_some_and(|end| end == "toml"));
+    let shipped =
+        shipped.map(|path| Study::read(&path).unwrap_or_else(|error| panic!("{path:?}: {error:?}")));
+    let templates = KINDS.iter().map(|kind| {
+        let path = folder.join("template.toml").display().to_string();
+        Study::parse(&path, kind.template).unwrap_or_else(|error| panic!("{}: {error:?}", kind.name))
+    });
+    shipped.chain(templates).collect()
+}
+
+/// The point of a study with a value of a key, and everything else as in its first point, without the names of its values.
+fn point_with(study: &Study, key: &'static Key, value: &Swept) -> Option<String> {
+    let others = study.sweeps.iter().filter(|sweep| !std::ptr::eq(sweep.key, key));
+    let (mut keys, mut point): (Vec<&'static Key>, Vec<Swept>) =
+        others.map(|sweep| (sweep.key, sweep.values[0].clone())).unzip();
+    keys.push(key);
+    point.push(value.clone());
+    let study = study.at_points(&keys, &[point]).ok()?;
+    Some(format!("{:?}", study.subject).replace(&format!("{value:?}"), ""))
+}
+
+/// A key whose setting is missing where a kind makes its points would be read, listed and swept without effect.
+#[test]
+fn every_key_that_a_sweep_may_vary_changes_the_points() {
+    let studies = all_studies();
+    for kind in KINDS {
+        for key in (kind.sweepable)().into_iter().filter(|key| !key.is_file()) {
+            let values: Vec<Swept> = match key.holds.measured() {
+                None if key.is_name() => {
+                    key.names().into_iter().map(|name| Swept::Name(name.to_owned())).collect()
+                }
+                measured => {
+                    let dimensions = measured.map_or(&[Dimension::Count][..], |measure| measure.accepts);
+                    let sizes = (-12..=15).flat_map(|power| [1.0, 2.0].map(|size| size * 10_f64.powi(power)));
+                    let sizes = sizes.filter(|size| key.admits(*size));
+                    let of_size =
+                        |size| dimensions.iter().map(move |d| Swept::Quantity(Quantity::new(size, *d)));
+                    sizes.flat_map(of_size).collect()
+                }
+            };
+            let changes = |study: &Study| {
+                let mut points = values.iter().filter_map(|value| point_with(study, key, value));
+                points.next().is_some_and(|first| points.any(|point| point != first))
+            };
+            let mut of_kind = studies.iter().filter(|study| *study.kind == *kind);
+            assert!(of_kind.any(changes), "{} of kind {}", key.name, kind.name);
         }
     }
 }
