@@ -38,18 +38,31 @@ pub struct Drift {
 impl Drift {
     /// The inputs that determine the draws, key by key, without the residual; absent parts have no line.
     pub(crate) fn canonical(&self) -> String {
+        // Every field, so that a new one cannot be left out by mistake.
+        let Drift {
+            magnetic,
+            magnetic_spread,
+            warm_up_s,
+            warm_up_spread,
+            non_magnetic,
+            non_magnetic_spread,
+            initial_magnetic,
+            initial_magnetic_spread,
+            angle_random_walk,
+            residual_max: _,
+        } = self;
         let all = [
-            ("magnetic", self.magnetic),
-            ("magnetic_spread", self.magnetic_spread),
-            ("warm_up_time", self.warm_up_s),
-            ("warm_up_time_spread", self.warm_up_spread),
-            ("non_magnetic", self.non_magnetic),
-            ("non_magnetic_spread", self.non_magnetic_spread),
-            ("initial_magnetic", self.initial_magnetic),
-            ("initial_magnetic_spread", self.initial_magnetic_spread),
-            ("angle_random_walk", self.angle_random_walk),
+            ("magnetic", magnetic),
+            ("magnetic_spread", magnetic_spread),
+            ("warm_up_time", warm_up_s),
+            ("warm_up_time_spread", warm_up_spread),
+            ("non_magnetic", non_magnetic),
+            ("non_magnetic_spread", non_magnetic_spread),
+            ("initial_magnetic", initial_magnetic),
+            ("initial_magnetic_spread", initial_magnetic_spread),
+            ("angle_random_walk", angle_random_walk),
         ];
-        let given = all.into_iter().filter(|(_, value)| *value != 0.0);
+        let given = all.into_iter().filter(|(_, value)| **value != 0.0);
         given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 

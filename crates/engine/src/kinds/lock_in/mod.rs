@@ -200,7 +200,19 @@ impl Inputs {
 
     /// Everything that determines the draws and the truth, as lines of text, without the samples. Other steps take the same draws.
     pub(crate) fn canonical(&self) -> String {
-        let Inputs { scale_factor, threshold, beam_noise, dither, rate, ramp, .. } = self;
+        // Every field, so that a new one cannot be left out by mistake; motion, refinement and times are with the point.
+        let Inputs {
+            scale_factor,
+            threshold,
+            beam_noise,
+            dither,
+            rate,
+            ramp,
+            refinement: _,
+            motion: _,
+            sample_s: _,
+            length_s: _,
+        } = self;
         let of_dither = dither.as_ref().map_or(String::new(), |dither| {
             let Dither { frequency_hz, rate, amplitude_noise, amplitude_walk, phase_noise, readout } = dither;
             format!(

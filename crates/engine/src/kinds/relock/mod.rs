@@ -182,17 +182,30 @@ impl Relock {
 
     /// Everything that determines draws and truth, as lines of text, without the number of ticks followed and the gain.
     pub fn identity(&self) -> String {
-        let Relock { miss, half_wave_error, dac_step, hysteresis, loop_s, bias_frequency_hz, .. } = self;
+        // Every field, so that a new one cannot be left out by mistake.
         let Relock {
-            pulse_weight_arcsec, curvature, temperature_error, adc_noise, adc_step, count_step, ..
+            miss,
+            half_wave_error,
+            dac_step,
+            hysteresis,
+            loop_s,
+            bias_frequency_hz,
+            pulse_weight_arcsec,
+            curvature,
+            temperature_error,
+            adc_noise,
+            adc_step,
+            count_step,
+            first_half,
+            ticks: _,
+            signal_gain: _,
         } = self;
         format!(
             "miss={miss:.11e}\nhalf_wave_error={half_wave_error:.11e}\ndac_step={dac_step:.11e}\n\
              hysteresis={hysteresis:.11e}\nloop_s={loop_s:.11e}\nbias_frequency_hz={bias_frequency_hz:.11e}\n\
              pulse_weight_arcsec={pulse_weight_arcsec:.11e}\ncurvature={curvature:.11e}\n\
              temperature_error={temperature_error:.11e}\nadc_noise={adc_noise:.11e}\nadc_step={adc_step:.11e}\n\
-             count_step={count_step:.11e}\nfirst_half={:?}\n",
-            self.first_half
+             count_step={count_step:.11e}\nfirst_half={first_half:?}\n"
         )
     }
 }

@@ -371,7 +371,7 @@ fn named(estimator: Estimator) -> String {
 
 /// The inputs that determine the draws.
 fn canonical(inputs: &RecordInputs) -> String {
-    let RecordInputs { sample_s, rate, noise, .. } = inputs;
+    let RecordInputs { sample_s, length_s: _, rate, noise } = inputs;
     // A constant rate affects whole pulses only.
     let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
     let (samples, noise) = (inputs.samples(), noise.canonical());

@@ -207,17 +207,27 @@ impl Physical {
 
     /// Everything that determines draws and truth, as lines of text.
     pub(crate) fn canonical(&self, inputs: &Inputs) -> String {
-        let Physical { gap_ticks, sigma_arcsec, readout_lsb, .. } = self;
+        // Every field, so that a new one cannot be left out by mistake; Gaussian motion is that of the inputs.
+        let Physical {
+            gap_ticks,
+            sigma_arcsec,
+            readout_lsb,
+            relock,
+            tones,
+            gaussian: _,
+            profile,
+            rate_arcsec,
+            acceleration_arcsec,
+        } = self;
         let mut text = format!(
-            "gap_ticks={gap_ticks}\nsigma_arcsec={sigma_arcsec:.11e}\nreadout_lsb={readout_lsb:.11e}\nrelock={:?}\n\
-             rate_arcsec={:.11e}\nacceleration_arcsec={:.11e}\n",
-            self.relock, self.rate_arcsec, self.acceleration_arcsec,
+            "gap_ticks={gap_ticks}\nsigma_arcsec={sigma_arcsec:.11e}\nreadout_lsb={readout_lsb:.11e}\nrelock={relock:?}\n\
+             rate_arcsec={rate_arcsec:.11e}\nacceleration_arcsec={acceleration_arcsec:.11e}\n"
         );
         let mut line = |line: std::fmt::Arguments| {
             // Writing to a text cannot fail.
             let _ = writeln!(text, "{line}");
         };
-        for tone in &self.tones {
+        for tone in tones {
             line(format_args!("tone={:?} {:?} {}", tone.kind, tone.value, tone.phase.name()));
         }
         match &inputs.motion.gaussian {
@@ -238,7 +248,7 @@ impl Physical {
             )),
             None => {}
         }
-        if let Some(profile) = &self.profile {
+        if let Some(profile) = profile {
             line(format_args!("profile={} every={}", profile.replay.content, profile.every));
         }
         text
