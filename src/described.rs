@@ -1,7 +1,8 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and the schema of documents take their meanings.
 
 use crate::analysis::{
-    batch, compare, design, dynamic, firmware, log, model, requirement, sensitivity, spectrum, temperature,
+    batch, compare, design, dynamic, firmware, log, model, navigators, requirement, sensitivity, spectrum,
+    temperature,
 };
 use sagnac_base::quantity::bare;
 use sagnac_base::table::About;
@@ -64,7 +65,7 @@ pub fn files() -> Vec<File> {
             command("events.csv", "sagnac allan", abouts(&log::events::columns())),
             command("records.csv", "sagnac allan", abouts(&log::records::columns())),
             command("limits.csv", "sagnac allan", abouts(&requirement::columns())),
-            command("navigation.csv", "sagnac allan", abouts(&log::navigators::columns())),
+            command("navigation.csv", "sagnac allan", abouts(&navigators::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::report::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::report::coefficient_columns())),
             command("temperature.csv", "sagnac allan", abouts(&temperature::report::coefficient_columns())),

@@ -58,7 +58,7 @@
 //! | [`curve`](allan::curve()), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
 //! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
-//! | [`Whole`](analysis::whole::Whole) | the whole analysis of a log, with its temperature, its change over time and navigators |
+//! | [`allan`](analysis::use_cases::allan), [`compare_logs`](analysis::use_cases::compare_logs), [`compare_units`](analysis::use_cases::compare_units), [`model_noise`](analysis::use_cases::model_noise) | what the commands on logs do, each from a request to an [`Outcome`](outcome::Outcome) |
 //! | [`Dynamic`](analysis::dynamic::Dynamic), [`Batch`](analysis::batch::Batch) | the noise of a log over time, and a batch of units with its outliers |
 //! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | the best switching interval and filler, and fillers for firmware |
 //! | [`theory`] | closed forms |
@@ -69,6 +69,7 @@
 #![warn(unreachable_pub)]
 
 pub mod analysis;
+pub mod outcome;
 pub mod view;
 
 pub use sagnac_base::{progress, table};

@@ -1,96 +1,44 @@
 //! `sagnac allan`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::arg_parsers::{self, one_of};
 use crate::failure::Failure;
-use crate::outcome::Outcome;
 use crate::output::{Output, print_documents, write_new};
 use crate::reading::{Reading, seconds};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::angles::Trend;
 use sagnac::allan::deviation::{Deviation, Taus};
-use sagnac::analysis::log::{Suppose, navigators, report};
+use sagnac::analysis::log::{NoiseRequest, Suppose};
+use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::requirement::Limit;
-use sagnac::analysis::whole::{Asked, Whole};
-use sagnac::analysis::{log, whole};
+use sagnac::analysis::use_cases::{self, AllanRequest};
 use sagnac::kinds::allan::run::MIN_REALIZATIONS;
 use sagnac::quantity::{Dimension, Quantity, parse};
 use sagnac::record::log::Log;
 use sagnac::record::log::measure::Data;
-use sagnac::record::log::read::Request;
-use sagnac::report::page::document::json;
-use sagnac::store::folder::Folder;
-
-/// The files of the command, of which stars stand for names of columns and units.
-const NAMES: [&str; 22] = [
-    "curve.csv",
-    "coefficients.csv",
-    "events.csv",
-    "psd.csv",
-    "lines.csv",
-    "white_noise.csv",
-    "temperature.csv",
-    "compensation.csv",
-    "dynamic.csv",
-    "stationarity.csv",
-    "limits.csv",
-    "navigation.csv",
-    "noise*.toml",
-    "navigation*.toml",
-    "chart",
-    "chart-accelerometers",
-    "chart-numbers",
-    "chart-tdev*",
-    "chart-temperature*",
-    "chart-rate*",
-    "chart-dynamic*",
-    "psd*",
-];
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
     options.check()?;
+    let allan = options.request()?;
     let folders = folders(options)?;
     let mut documents: Vec<String> = Vec::new();
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
-        documents.extend(of_log(options, &request, path, folder, &mut earlier)?);
+        let mut log = options.reading.read_as_recorded(path, &request)?;
+        options.check_record(&log)?;
+        let outcome = use_cases::allan(&mut log, path, &allan, &mut earlier, &options.output.progress())?;
+        let mut places = vec![];
+        if let Some(path) = &options.record {
+            write_new(path, |file| allan.treatment.applied(log).write_csv(file))?;
+            places.push(format!("the record as it is analysed is {}", path.display()));
+        }
+        documents.extend(options.output.finish(&outcome, folder, [path.as_path()], &places)?);
     }
     print_documents(&documents, options.files.len())
-}
-
-/// Analyses a log and writes its results; prints them, or returns them as JSON. Notes columns that are those of an `earlier` log.
-fn of_log(
-    options: &Options,
-    request: &Request,
-    path: &Path,
-    folder: &Path,
-    earlier: &mut Vec<(u64, String)>,
-) -> Result<Option<String>, Failure> {
-    let treatment = options.reading.treatment();
-    let (log, temperature) = options.reading.read_as_recorded(path, request)?;
-    options.check_record(&log)?;
-    arg_parsers::apply(&options.limit, &log)?;
-    let (asked, progress) = (options.asked(), options.output.progress());
-    let whole = Whole::of(log, temperature, path, &treatment, &asked, earlier, &progress)?;
-    let analysis = &whole.analysis.noise;
-    let mut outcome = Outcome::new(report::heading(analysis), whole.page);
-    outcome.tables = whole.tables;
-    outcome.files = whole.files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
-    let results = Folder::open(folder)?.reading([path]);
-    outcome.save(&results, &NAMES)?;
-    if let Some(path) = &options.record {
-        write_new(path, |file| treatment.applied(whole.log).write_csv(file))?;
-        outcome.places.push(format!("the record as it is analysed is {}", path.display()));
-    }
-    if options.output.json {
-        return Ok(Some(json(&outcome.document())));
-    }
-    outcome.show(&options.output.printed, folder)?;
-    Ok(None)
 }
 
 /// The results folder of each file.
@@ -198,37 +146,39 @@ pub struct Options {
 }
 
 impl Options {
-    /// The requested computations for each log.
-    pub fn asked(&self) -> Asked {
-        let noise = log::Asked {
-            taus: self.tau.clone(),
-            deviations: self.deviation.clone(),
-            confidence: self.confidence,
-            intervals: self.intervals,
-            fitting: self.reading.fitting(),
-            simulated: self.bootstrap,
-        };
-        let segments = whole::Segments { length_s: self.segments.length_s, trend: self.segments.trend };
+    /// The request for each log.
+    ///
+    /// # Errors
+    /// The limits do not fit the fit, or there is no fit where one is needed.
+    pub fn request(&self) -> Result<AllanRequest, Failure> {
+        let Segments { length_s, trend } = self.segments;
         let limit = self.position_limit;
-        Asked {
-            noise,
-            segments: (!self.no_psd).then_some(segments),
+        let request = AllanRequest {
+            treatment: self.reading.treatment(),
+            noise: NoiseRequest {
+                taus: self.tau.clone(),
+                deviations: self.deviation.clone(),
+                confidence: self.confidence,
+                intervals: self.intervals,
+                fitting: self.reading.fitting(),
+                simulated: self.bootstrap,
+            },
+            segments: (!self.no_psd).then_some(use_cases::Segments { length_s, trend, is_required: false }),
+            effects: self.reading.temperature_terms.clone(),
             is_compensated: self.reading.compensate,
             window_s: self.dynamic,
-            navigators: self.navigate.map(|duration_s| navigators::Asked { duration_s, limit }),
+            navigators: self.navigate.map(|duration_s| NavigatorRequest { duration_s, limit }),
             limits: self.limit.clone(),
-        }
+        };
+        request.check()?;
+        Ok(request)
     }
 
     /// Checks that the options agree with each other.
     ///
     /// # Errors
-    /// Results of several logs do not fit into one file, the record cannot be written, or a limit does not fit the fit.
+    /// Results of several logs do not fit into one file, or the record cannot be written.
     pub fn check(&self) -> Result<(), Failure> {
-        arg_parsers::agree(&self.limit, &self.reading)?;
-        if self.navigate.is_some() && self.reading.fitting().is_none() {
-            return Err(Failure::Usage("--navigate needs coefficients\nleave out --fit none".to_owned()));
-        }
         if self.kalibr.is_some() {
             let gone = "--kalibr is gone\n`sagnac model LOG --write kalibr` writes the file";
             return Err(Failure::Usage(gone.to_owned()));

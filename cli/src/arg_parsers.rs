@@ -3,11 +3,9 @@
 use std::ops::RangeInclusive;
 
 use crate::failure::Failure;
-use crate::reading::Reading;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use sagnac::analysis::requirement::{Limit, LimitError, Limited, applies, check};
+use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::key::docs::note;
-use sagnac::record::log::Log;
 
 /// Reads a limit on a log.
 pub fn of_log(text: &str) -> Result<Limit, String> {
@@ -32,36 +30,6 @@ pub fn on<'t>(text: &'t str, names: &[&str]) -> Result<&'t str, Failure> {
             Err(Failure::Usage(message))
         }
     }
-}
-
-/// Reads limits on the units of a batch.
-///
-/// # Errors
-/// A text is no limit.
-pub fn of_units(texts: &[String]) -> Result<Vec<Limit>, Failure> {
-    texts.iter().map(|text| Limit::parse(text, Limited::OF_BATCH).map_err(failure)).collect()
-}
-
-/// Checks that limits agree with each other and with the fit.
-///
-/// # Errors
-/// Two limits are on the same, or a coefficient is not fitted.
-pub fn agree(limits: &[Limit], reading: &Reading) -> Result<(), Failure> {
-    let fitting = reading.fitting();
-    check(limits, fitting.as_ref().map(|fitting| fitting.terms.all())).map_err(failure)
-}
-
-/// Checks that a log has a column for each limit.
-///
-/// # Errors
-/// A limit has the unit of no column.
-pub fn apply(limits: &[Limit], log: &Log) -> Result<(), Failure> {
-    let units: Vec<_> = log.channels.iter().map(|channel| channel.unit.curves).collect();
-    applies(limits, &units).map_err(failure)
-}
-
-fn failure(error: LimitError) -> Failure {
-    Failure::Usage(format!("--limit: {error}"))
 }
 
 /// An integer within `range`: `1000000`, `1_000_000`, `1e6` or `1.5e6`.

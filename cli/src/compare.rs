@@ -2,22 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::arg_parsers;
-use crate::failure::{Failure, in_options};
-use crate::outcome::Outcome;
-use crate::output::{Output, print_json};
+use crate::failure::Failure;
+use crate::output::{Output, print_documents};
 use crate::reading::Reading;
 use clap::Args;
-use sagnac::analysis::batch::Batch;
-use sagnac::analysis::compare::logs::{Analysis, RatioLimit, check};
-use sagnac::analysis::log::{self, Asked};
-use sagnac::analysis::page::{of_batch, of_comparison};
-use sagnac::analysis::requirement::{Limit, LimitError};
+use sagnac::analysis::compare::logs::RatioLimit;
+use sagnac::analysis::requirement::{Limit, Limited};
+use sagnac::analysis::use_cases::{BatchRequest, CompareRequest, LogError, compare_logs, compare_units};
 use sagnac::key::docs::note;
-use sagnac::progress::Silent;
 use sagnac::record::log::Log;
 use sagnac::record::log::read::Request;
-use sagnac::store::folder::Folder;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -56,7 +50,7 @@ pub struct Options {
 /// Compares two logs, or the units of a batch.
 pub fn compare(options: &Options) -> Result<(), Failure> {
     match &options.files[..] {
-        [a, b] => pair(options, [a, b]),
+        [a, b] => pair(options, [a, b].map(PathBuf::as_path)),
         _ if options.max_ratio.is_empty() => batch(options, "batch"),
         _ => Err(Failure::Usage(
             "--max-ratio is for two logs\nlimit the units of a batch by --limit".to_owned(),
@@ -65,9 +59,7 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
 }
 
 /// Compares two logs.
-fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
-    let [first, second] = files;
-    let failure = |error: LimitError| Failure::Usage(format!("--max-ratio: {error}"));
+fn pair(options: &Options, files: [&Path; 2]) -> Result<(), Failure> {
     // Before 0.3, a limit of two logs was a ratio.
     let is_ratio =
         |text: &&String| text.split_once('=').is_some_and(|(_, value)| value.trim().parse::<f64>().is_ok());
@@ -75,29 +67,19 @@ fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
         note!("{}", note(&format!("--limit {former}"), &format!("--max-ratio {former}")));
     }
     let limits = options.max_ratio.iter().chain(&options.limit).map(|text| RatioLimit::parse(text));
-    let limits = limits.collect::<Result<Vec<RatioLimit>, _>>().map_err(failure)?;
-    let fitting = options.reading.fitting();
-    let terms = fitting.as_ref().map(|fitting| fitting.terms.all());
-    check(&limits, terms).map_err(failure)?;
-    let [a, b] = logs(options, files)?;
-    let analysis = analysis(options, files, [&a, &b])?;
-    let decision = analysis.decision(&limits);
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let folder = options.output.folder(format!("{}_vs_{}", stem(first), stem(second)));
-    let page = of_comparison([&a, &b], &analysis, &decision);
-    let [one, other] = &analysis.sides;
-    let outcome = Outcome::new(format!("{} · {}", one.heading(), other.heading()), page);
-    let results = Folder::open(&folder)?.reading([first.as_path(), second.as_path()]);
-    outcome.save(&results, &["coefficients.csv", "limits.csv", "chart-1", "chart-2"])?;
-    if options.output.json {
-        return print_json(&outcome.document());
-    }
-    outcome.show(&options.output.printed, &folder)
+    let limits = limits.collect::<Result<_, _>>().map_err(LogError::RatioLimit)?;
+    let reading = &options.reading;
+    let request = CompareRequest { treatment: reading.treatment(), fitting: reading.fitting(), limits };
+    request.check()?;
+    let [a, b] = logs(reading, files)?;
+    let outcome = compare_logs([(files[0], &a), (files[1], &b)], &request)?;
+    let [first, second] = files.map(|path| path.file_stem().unwrap_or_default().to_string_lossy());
+    let folder = options.output.folder(format!("{first}_vs_{second}"));
+    print_documents(options.output.finish(&outcome, &folder, files, &[])?.as_slice(), 1)
 }
 
-/// Reads the logs.
-fn logs(options: &Options, [first, second]: [&PathBuf; 2]) -> Result<[Log; 2], Failure> {
-    let reading = &options.reading;
+/// Reads the logs, of which each may have its column, unit and rate.
+fn logs(reading: &Reading, [first, second]: [&Path; 2]) -> Result<[Log; 2], Failure> {
     let [a, b] = reading.requests_of_two()?;
     if a.columns.len() > 2 || a.units.len() > 2 {
         let list = if a.columns.len() > 2 {
@@ -116,47 +98,20 @@ fn logs(options: &Options, [first, second]: [&PathBuf; 2]) -> Result<[Log; 2], F
     Ok([log(first, a, [0; 2])?, log(second, b, last)?])
 }
 
-/// Compares the logs.
-fn analysis(
-    options: &Options,
-    [first, second]: [&PathBuf; 2],
-    [a, b]: [&Log; 2],
-) -> Result<Analysis, Failure> {
-    let (treatment, fitting) = (options.reading.treatment(), options.reading.fitting());
-    let logs = [(first.as_path(), a), (second.as_path(), b)];
-    Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| Failure::Record(in_options(&error)))
-}
-
 /// Pools the logs of a batch; `name` is that of the results folder.
 pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
-    let limits = arg_parsers::of_units(&options.limit)?;
-    arg_parsers::agree(&limits, &options.reading)?;
-    let batch = analysis_of_batch(options, &limits)?;
-    let decision = batch.decision(&limits);
-    let folder = options.output.folder(name);
-    let logs = match batch.logs.len() {
-        1 => "a log".to_owned(),
-        count => format!("{count} logs"),
-    };
-    let heading = format!("{} units of {logs}", batch.labels.len());
-    let outcome = Outcome::new(heading, of_batch(&batch, &decision));
-    let results = Folder::open(&folder)?.reading(options.files.iter().map(PathBuf::as_path));
-    outcome.save(&results, &["limits.csv", "chart-1", "chart-2"])?;
-    if options.output.json {
-        return print_json(&outcome.document());
-    }
-    outcome.show(&options.output.printed, &folder)
-}
-
-/// Reads and analyses the logs one after the other, because each may fill the memory.
-fn analysis_of_batch(options: &Options, limits: &[Limit]) -> Result<Batch, Failure> {
     let reading = &options.reading;
+    let limits = options.limit.iter().map(|text| Limit::parse(text, Limited::OF_BATCH));
+    let limits = limits.collect::<Result<_, _>>().map_err(LogError::from)?;
+    let batch = BatchRequest { fitting: reading.fitting(), limits };
+    batch.check()?;
     let (request, treatment) = (reading.request()?, reading.treatment());
-    let asked = Asked { fitting: reading.fitting(), simulated: Some(0), ..Asked::default() };
-    let of = |path: &PathBuf| -> Result<log::Analysis, Failure> {
-        let log = reading.read(path, &request)?;
-        arg_parsers::apply(limits, &log)?;
-        Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)
+    // One after the other, because each may fill the memory.
+    let analyze = |path: &PathBuf| -> Result<_, Failure> {
+        Ok(batch.analyze(&reading.read(path, &request)?, path, &treatment)?)
     };
-    Ok(Batch::of(options.files.iter().map(of).collect::<Result<_, _>>()?)?)
+    let logs = options.files.iter().map(analyze).collect::<Result<_, _>>()?;
+    let (outcome, folder) = (compare_units(logs, &batch)?, options.output.folder(name));
+    let inputs = options.files.iter().map(PathBuf::as_path);
+    print_documents(options.output.finish(&outcome, &folder, inputs, &[])?.as_slice(), 1)
 }

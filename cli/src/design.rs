@@ -7,17 +7,17 @@ use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::filler_search::band;
 use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as find, report};
 use sagnac::analysis::page;
+use sagnac::outcome::Outcome;
 use sagnac::quantity::Dimension;
 use sagnac::quantity::number::short;
 use sagnac::report::chart::Picture;
 use sagnac::report::page::document::Provenance;
-use sagnac::store::folder::Folder;
 
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
 use crate::filler::at_least_0;
-use crate::outcome::Outcome;
-use crate::output::print_json;
+use crate::outcome::{finish, spell};
+use crate::output::print_documents;
 use crate::program::DeviceArg;
 use crate::progress::Shown;
 use crate::sampling::Sampling;
@@ -115,12 +115,10 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
     let candidates = report::table(&found).rows();
     let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", found.study.title);
-    let mut outcome = Outcome::new(heading, page);
+    let mut outcome = Outcome::new(heading, page).among(["pareto.csv", "design", "pareto"]);
     outcome.provenance = Some(Provenance::new(study.seed, found.trials));
-    outcome.add_document("design.json");
-    outcome.save(&Folder::open(&folder)?, &["pareto.csv", "design", "pareto"])?;
-    if options.sampling.json {
-        return print_json(&outcome.document());
-    }
-    outcome.show(&options.sampling.printed, &folder)
+    outcome.add_json("design.json", &spell);
+    let sampling = &options.sampling;
+    let document = finish(&outcome, &folder, [], &[], sampling.json, &sampling.printed)?;
+    print_documents(document.as_slice(), 1)
 }

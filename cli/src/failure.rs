@@ -4,12 +4,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use sagnac::allan::deviation::TauError;
-use sagnac::analysis::batch::BatchError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::model::ModelError;
-use sagnac::analysis::whole::WholeError;
+use sagnac::analysis::use_cases::LogError;
 use sagnac::device::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::diagnostics::{StudyError, spelled};
@@ -189,37 +187,15 @@ impl From<ChoiceError> for Failure {
     }
 }
 
-impl From<TauError> for Failure {
-    fn from(error: TauError) -> Failure {
+impl From<LogError> for Failure {
+    fn from(error: LogError) -> Failure {
         match error {
-            TauError::NoTime(_) => Failure::Usage(in_options(&error)),
-            _ => Failure::Record(in_options(&error)),
-        }
-    }
-}
-
-impl From<WholeError> for Failure {
-    fn from(error: WholeError) -> Failure {
-        match error {
-            WholeError::Tau(error) => error.into(),
-            WholeError::Dynamic(_) | WholeError::Spectrum(_) => Failure::Record(in_options(&error)),
-        }
-    }
-}
-
-impl From<BatchError> for Failure {
-    fn from(error: BatchError) -> Failure {
-        match error {
-            BatchError::Units { .. } => Failure::Record(in_options(&error)),
-            BatchError::TooFew(_) | BatchError::Twice(..) => Failure::Usage(in_options(&error)),
-        }
-    }
-}
-
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Failure {
-        match error {
-            ModelError::Noise(error) => Failure::Study(error),
+            LogError::Limit(error) => Failure::Usage(format!("--limit: {error}")),
+            LogError::RatioLimit(error) => Failure::Usage(format!("--max-ratio: {error}")),
+            LogError::NoFit => {
+                Failure::Usage("--navigate needs coefficients\nleave out --fit none".to_owned())
+            }
+            LogError::Model(ModelError::Noise(error)) => Failure::Study(error),
             error if error.is_usage() => Failure::Usage(in_options(&error)),
             error => Failure::Record(in_options(&error)),
         }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::on;
 use crate::failure::{Failure, in_options};
-use crate::outcome::Outcome;
-use crate::output::{Printed, print_json, unwritten};
+use crate::outcome::finish;
+use crate::output::{Printed, print_documents, unwritten};
 use crate::reading;
 use clap::Args;
 use miette::Diagnostic;
@@ -15,8 +15,8 @@ use sagnac::analysis::firmware::search::Asked;
 use sagnac::analysis::firmware::standalone::{Alone, KINDS, MINIMUM_VARIANCE};
 use sagnac::analysis::page::of_filler;
 use sagnac::diagnostics::StudyError;
+use sagnac::outcome::Outcome;
 use sagnac::quantity::{Dimension, parse};
-use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 
 /// The files of the command.
@@ -26,23 +26,19 @@ const NAMES: [&str; 7] =
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
     let (study, firmware, folder) = options.firmware()?;
-    let results = Folder::open(&folder)?;
-    let mut outcome = Outcome::new(firmware.heading(), of_filler(&study, &firmware));
+    // Vectors of an earlier call are removed, because they may belong to other weights.
+    let mut outcome = Outcome::new(firmware.heading(), of_filler(&study, &firmware)).among(NAMES);
     let header = "sagnac_filler.h";
     outcome.files.push((header.to_owned(), firmware.header().into_bytes()));
-    outcome.places.push(format!("C header  {}", folder.join(header).display()));
+    let places = [format!("C header  {}", folder.join(header).display())];
     if let Some(count) = options.test_vectors {
         let (mut csv, name) = (Vec::new(), "test_vectors.csv");
         let vectors = firmware.vectors(count as usize);
         firmware.write_vectors(&vectors, &mut csv).map_err(unwritten(&folder.join(name)))?;
         outcome.files.push((name.to_owned(), csv));
     }
-    // Vectors of an earlier call are removed, because they may belong to other weights.
-    outcome.save(&results, &NAMES)?;
-    if options.json {
-        return print_json(&outcome.document());
-    }
-    outcome.show(&options.printed, &folder)
+    let document = finish(&outcome, &folder, [], &places, options.json, &options.printed)?;
+    print_documents(document.as_slice(), 1)
 }
 
 /// Largest number of test vectors.

@@ -4,26 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::TypedValueParser;
-use sagnac::allan::deviation::Taus;
-use sagnac::analysis::log::{self, Asked as OfLog, Treatment};
 use sagnac::analysis::model::search::MAX_STATES;
-use sagnac::analysis::model::tables::document;
-use sagnac::analysis::model::target::{Source, Target, of_file};
-use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
-use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization};
-use sagnac::analysis::page::of_model;
+use sagnac::analysis::model::writers::{Writer, named};
+use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
+use sagnac::analysis::use_cases::{ModelSource, model_noise};
 use sagnac::quantity::{Dimension, parse};
-use sagnac::store::folder::Folder;
 
 use crate::allan::probability;
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
-use crate::outcome::Outcome;
-use crate::output::{Output, print_json};
+use crate::output::{Output, print_documents};
 use crate::reading::{Reading, seconds};
-
-/// Points of the curve of a log per decade of τ.
-const PER_DECADE: u32 = 10;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -110,7 +101,8 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Finds the model of a log or of a noise.toml.
 pub fn model(options: &Options) -> Result<(), Failure> {
-    let asked = Asked {
+    let (path, reading) = (&options.file, &options.reading);
+    let request = ModelRequest {
         from_s: options.from,
         to_s: options.to,
         aim: options.overbound.unwrap_or(Aim::Describe),
@@ -119,50 +111,20 @@ pub fn model(options: &Options) -> Result<(), Failure> {
         quantization: options.quantization,
         filter_hz: options.filter_rate,
         confidence: options.confidence,
+        treatment: reading.treatment(),
+        fitting: reading.fitting(),
+        writers: options.write.clone().unwrap_or_default(),
     };
-    let is_noise = options.file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    let (source, targets) = match is_noise {
-        // The options of logs mean nothing for it.
-        true => of_file(&options.file, &asked).map(|(source, target)| (source, vec![target]))?,
-        false => of_log(options)?,
-    };
-    let analysis = Analysis::of(source, targets, &asked)?;
-    let stem = options.file.file_stem().unwrap_or_default().to_string_lossy();
+    let is_noise = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    // The options of logs mean nothing for a noise.toml.
+    let log = if is_noise { None } else { Some(reading.read(path, &reading.request()?)?) };
+    let source = log.as_ref().map_or(ModelSource::NoiseFile(path), |log| ModelSource::Log(log, path));
+    let outcome = model_noise(source, &request, &options.output.progress())?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let folder = options.output.folder(format!("{stem}_model"));
-    let writers = options.write.as_deref().unwrap_or_default();
-    let results = Folder::open(&folder)?.reading([options.file.as_path()]);
-    let mut outcome = Outcome::new(analysis.source.heading.clone(), of_model(&analysis, writers));
-    let texts = texts(&analysis, writers);
-    if !texts.is_empty() {
-        let path = |(file, _): &(&str, String)| folder.join(file).display().to_string();
-        outcome
-            .places
-            .push(format!("files for tools: {}", texts.iter().map(path).collect::<Vec<_>>().join(", ")));
-    }
-    outcome.files = texts.into_iter().map(|(file, text)| (file.to_owned(), text.into_bytes())).collect();
-    let files = WRITERS.iter().map(|writer| writer.file);
-    let names: Vec<&str> = ["model.csv", "model", "model-accelerometers"].into_iter().chain(files).collect();
-    outcome.save(&results, &names)?;
-    if options.output.json {
-        return print_json(&document(&analysis, &outcome.page, writers));
-    }
-    outcome.show(&options.output.printed, &folder)
-}
-
-/// The curves of a log.
-fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
-    // Events are no noise that a filter could have a state for.
-    let treatment = Treatment { events_removed: true, ..options.reading.treatment() };
-    let log = options.reading.read(&options.file, &options.reading.request()?)?;
-    let asked = OfLog {
-        taus: Taus::Decade(PER_DECADE),
-        confidence: options.confidence,
-        fitting: options.reading.fitting(),
-        // Only the quantization of the fit is needed.
-        simulated: Some(0),
-        ..OfLog::default()
-    };
-    let analysis = log::Analysis::of(&log, &options.file, &treatment, &asked, &options.output.progress())?;
-    let targets = Target::of_log(&analysis)?;
-    Ok((Source::of_log(&analysis), targets))
+    let files: Vec<_> =
+        outcome.files.iter().map(|(file, _)| folder.join(file).display().to_string()).collect();
+    let places = (!files.is_empty()).then(|| format!("files for tools: {}", files.join(", ")));
+    let document = options.output.finish(&outcome, &folder, [path.as_path()], places.as_slice())?;
+    print_documents(document.as_slice(), 1)
 }

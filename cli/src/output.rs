@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::diagnostics::{visible, visible_json};
+use sagnac::outcome::Outcome;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::json;
 use sagnac::store::folder::{self, Folder};
@@ -12,6 +13,7 @@ use sagnac::table::Table;
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::outcome;
 use crate::progress::{How, Shown, aside};
 
 /// Where a command on logs writes its results, and what it prints.
@@ -65,6 +67,20 @@ impl Output {
     /// The results folder; by default the one called `name` in `results/`.
     pub fn folder(&self, name: impl AsRef<Path>) -> PathBuf {
         self.out.clone().unwrap_or_else(|| Path::new("results").join(name))
+    }
+
+    /// Writes the results of a command on logs and prints them, or returns them as JSON, as [`outcome::finish`] does.
+    ///
+    /// # Errors
+    /// It fails where that does.
+    pub fn finish<'a>(
+        &self,
+        outcome: &Outcome,
+        folder: &Path,
+        inputs: impl IntoIterator<Item = &'a Path>,
+        places: &[String],
+    ) -> Result<Option<String>, Failure> {
+        outcome::finish(outcome, folder, inputs, places, self.json, &self.printed)
     }
 
     /// Shows progress, unless only errors or JSON are printed.

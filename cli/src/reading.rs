@@ -104,7 +104,7 @@ pub struct Reading {
     temperature_unit: Option<String>,
     /// Terms of the dependence: auto (T, and those of the others that the record needs), or a list of T, T2, dT, warm-up, aging
     #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = Effects::parse)]
-    temperature_terms: Effects,
+    pub temperature_terms: Effects,
     /// Compute all results from the record without the fitted dependence; a column without one stays as it is, and a note says why
     #[arg(help_heading = "Temperature", long, requires = "temperature")]
     pub compensate: bool,
@@ -238,27 +238,21 @@ impl Reading {
                            the dependence with sagnac allan";
             return Err(Failure::Usage(message.to_owned()));
         }
-        let (log, temperature) = self.read_as_recorded(path, request)?;
+        let mut log = self.read_as_recorded(path, request)?;
+        let temperature = Temperature::noted(&mut log, &self.treatment(), &self.temperature_terms);
         Ok(match temperature {
             Some(temperature) => temperature.compensated(&log),
             None => log,
         })
     }
 
-    /// Reads a log as it was recorded, with its dependence on the temperature if one is given.
+    /// Reads a log as it was recorded.
     ///
     /// # Errors
     /// The log is refused.
-    pub fn read_as_recorded(
-        &self,
-        path: &Path,
-        request: &Request,
-    ) -> Result<(Log, Option<Temperature>), Failure> {
+    pub fn read_as_recorded(&self, path: &Path, request: &Request) -> Result<Log, Failure> {
         reading::log(path)?;
-        let treatment = self.treatment();
-        let mut log = treatment.read(path, request)?;
-        let temperature = Temperature::noted(&mut log, &treatment, &self.temperature_terms);
-        Ok((log, temperature))
+        Ok(self.treatment().read(path, request)?)
     }
 }
 

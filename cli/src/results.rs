@@ -6,15 +6,16 @@ use std::thread;
 
 use crate::failure::Failure;
 use crate::look;
-use crate::outcome::{LINES_OF_FACTS, Outcome};
+use crate::outcome::{save_page, show, spell};
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
-use sagnac::analysis::page::{PARTIAL, Results, add_sampled_facts};
+use sagnac::analysis::page::Results;
 use sagnac::chart::{Chart, Source};
+use sagnac::outcome::Outcome;
 use sagnac::quantity::number::significant;
 use sagnac::report::chart::notes::ChartError;
 use sagnac::report::page::FILE as REPORT;
-use sagnac::report::page::document::{Provenance, json};
+use sagnac::report::page::document::Provenance;
 use sagnac::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
@@ -121,45 +122,30 @@ impl Ran<'_> {
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // Long tables take as long to write as everything else that is made of them. They have a thread of their own, because the
         // others wait for what they share among threads.
-        let (mut outcome, is_partial) = thread::scope(|scope| {
+        let mut outcome = thread::scope(|scope| {
             let written = scope.spawn(|| write_tables(folder, &tables));
-            let results = Results::new(plan, store, &tables, *lacking, degraded)?;
+            let results = Results::new(plan, store, &tables, *lacking, degraded, progress)?;
             let resolved = (RESOLVED.to_owned(), results.resolved().into_bytes());
             let details = if shown.table { summary(study, &tables, &results.curves)? } else { String::new() };
-            let is_partial = results.is_partial;
             let page = results.page(&written.join().unwrap_or_else(|panic| resume_unwind(panic))?);
             let outcome = Outcome::new(format!("{} · {}", page.title, page.scope), page);
-            let (files, places) = (vec![resolved], place.into_iter().collect());
-            let outcome = Outcome { details, provenance: self.provenance(), files, places, ..outcome };
-            Ok::<_, Failure>((outcome, is_partial))
+            let (files, provenance) = (vec![resolved], self.provenance());
+            Ok::<_, Failure>(Outcome { details, provenance, files, ..outcome })
         })?;
         outcome.page.tables = tables.into_files(&study.charts);
-        let mut pictures = folder.listed();
-        let stem = |name: &String| {
-            name.strip_suffix(".svg").or(name.strip_suffix(".png")).is_some_and(is_chart_stem)
-        };
-        pictures.retain(stem);
-        if is_partial {
-            outcome.page.notes.insert(0, PARTIAL.to_owned());
-        }
-        outcome.save_page(folder, &pictures.iter().map(String::as_str).collect::<Vec<_>>())?;
+        let pictures = folder.listed().into_iter().filter_map(|name| {
+            let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png"))?;
+            is_chart_stem(stem).then(|| stem.to_owned())
+        });
+        outcome.names = pictures.collect();
+        save_page(&outcome, folder)?;
         progress.clear();
-        let is_shown = !(self.json || shown.quiet && *lacking > 0);
-        if is_partial {
-            outcome.page.notes.remove(0);
-            if is_shown {
-                outcome.show_result(shown, LINES_OF_FACTS)?;
-            }
-            add_sampled_facts(study, &mut outcome.page, progress)?;
-            outcome.save_text(folder)?;
-            progress.clear();
+        if self.json || shown.quiet && *lacking > 0 {
+            shown.open_page(self.path);
+        } else {
+            show(&outcome, place.as_slice(), shown, self.path)?;
         }
-        match is_shown {
-            true if is_partial => outcome.show_facts(shown, self.path)?,
-            true => outcome.show(shown, self.path)?,
-            false => shown.open_page(self.path),
-        }
-        Ok(self.json.then(|| json(&outcome.document())))
+        Ok(self.json.then(|| outcome.json(&spell)))
     }
 
     /// How the results were sampled, if they were.

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sagnac::analysis::page;
 use sagnac::analysis::sensitivity::{Request, SensitivityError, report, sensitivity as find};
+use sagnac::outcome::Outcome;
 use sagnac::report::page::document::Provenance;
-use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 
 use crate::failure::{Failure, in_options};
-use crate::outcome::Outcome;
-use crate::output::print_json;
+use crate::outcome::{finish, spell};
+use crate::output::print_documents;
 use crate::program::DeviceArg;
 use crate::progress::Shown;
 use crate::sampling::Sampling;
@@ -77,12 +77,10 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     let heading = format!("{} · {}", study.title, report::effort(&found));
     let mut outcome = Outcome::new(heading, page::of_sensitivity(&study, &found));
     outcome.provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
-    outcome.add_document("sensitivity.json");
-    outcome.save(&Folder::open(&folder)?, &[])?;
-    if options.sampling.json {
-        return print_json(&outcome.document());
-    }
-    outcome.show(&options.sampling.printed, &folder)
+    outcome.add_json("sensitivity.json", &spell);
+    let sampling = &options.sampling;
+    let document = finish(&outcome, &folder, [], &[], sampling.json, &sampling.printed)?;
+    print_documents(document.as_slice(), 1)
 }
 
 /// An error at the place in the study that caused it.

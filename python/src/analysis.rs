@@ -5,81 +5,58 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::Trend;
-use sagnac::allan::deviation::{Taus, Unit as Curves};
-use sagnac::analysis::batch::Batch;
 use sagnac::analysis::compare::logs::RatioLimit;
 use sagnac::analysis::design::filler_search::band as band_of;
 use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
 };
-use sagnac::analysis::log::{self, Asked, Treatment, navigators};
-use sagnac::analysis::model::tables::document;
-use sagnac::analysis::model::target::{Source, Target, of_file, of_text};
+use sagnac::analysis::log::{NoiseRequest, Treatment};
 use sagnac::analysis::model::writers::named;
-use sagnac::analysis::model::{self as modelled, Aim, Quantization};
-use sagnac::analysis::requirement::Limited;
+use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
+use sagnac::analysis::navigators::NavigatorRequest;
+use sagnac::analysis::page;
+use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as decide};
-use sagnac::analysis::whole::{self, Segments};
-use sagnac::analysis::{compare as compared, page};
-use sagnac::fit::selection::{Fitting, Terms};
+use sagnac::analysis::use_cases::{
+    self, AllanRequest, BatchRequest, CompareRequest, ModelSource, Segments, compare_logs, compare_units,
+    model_noise,
+};
+use sagnac::fit::selection::Fitting;
+use sagnac::outcome::Outcome;
 use sagnac::progress::Silent;
 use sagnac::quantity::Dimension;
-use sagnac::record::log::Log;
 use sagnac::report::chart::Picture;
-use sagnac::report::page::Page;
-use sagnac::report::page::document::{Document, Provenance, json};
+use sagnac::report::page::document::Provenance;
 use sagnac::run::RunError;
-use sagnac::table::Table;
 use sagnac::verify::select;
 
 use super::argument::at_least_0;
 use super::compute::{compute, compute_on};
 use super::failure::{Failure, in_python};
-use super::log::{Given, no_temperature, temperature_of};
+use super::log::{Given, effects_of};
 use super::progress::Listener;
-use super::record::{Reading, Times, limits_of, suppose_of, terms_of};
+use super::record::{Reading, Times, suppose_of, terms_of};
 use super::run::{shown, study_of};
 use super::table::columns;
 
-/// What an analysis has found.
-pub struct Found {
-    page: Page,
-    /// The document of the program.
-    document: String,
-    /// Tables that the page does not have.
-    tables: Vec<(&'static str, Table)>,
-    /// Further files by their names.
-    files: Vec<(String, String)>,
-}
-
-impl Found {
-    pub fn new(page: Page, tables: Vec<(&'static str, Table)>, provenance: Option<Provenance>) -> Found {
-        let document = json(&Document { provenance, ..page.document(&tables) });
-        Found { page, document, tables, files: vec![] }
-    }
-
-    /// Adds further files to the results.
-    pub fn with(self, files: Vec<(String, String)>) -> Found {
-        Found { files, ..self }
-    }
-
-    pub fn into_python(self, py: Python) -> PyResult<Bound<PyDict>> {
-        let Found { page, document, tables, files } = self;
-        let all = tables.iter().chain(&page.tables);
-        let tables =
-            all.map(|(name, table)| Ok((*name, columns(py, table)?))).collect::<PyResult<Vec<_>>>()?;
-        let found = PyDict::new(py);
-        found.set_item("title", in_python(&page.title))?;
-        found.set_item("answer", shown(&page.answer))?;
-        found.set_item("notes", page.notes.iter().map(|note| in_python(note)).collect::<Vec<_>>())?;
-        found.set_item("data", document)?;
-        found.set_item("tables", tables)?;
-        let charts = page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
-        found.set_item("charts", charts.collect::<Vec<_>>())?;
-        found.set_item("files", files)?;
-        found.set_item("report", page.html(&|text: &str| in_python(text)))?;
-        Ok(found)
-    }
+/// An outcome as a dictionary: the page, the document of the program, tables, charts and files.
+pub fn in_dict(py: Python, outcome: Outcome) -> PyResult<Bound<PyDict>> {
+    let spell = |text: &str| in_python(text);
+    let page = &outcome.page;
+    let tables = outcome.all_tables().map(|(name, table)| Ok((*name, columns(py, table)?)));
+    let found = PyDict::new(py);
+    found.set_item("title", in_python(&page.title))?;
+    found.set_item("answer", shown(&page.answer))?;
+    found.set_item("notes", page.notes.iter().map(|note| in_python(note)).collect::<Vec<_>>())?;
+    found.set_item("data", outcome.json(&spell))?;
+    found.set_item("tables", tables.collect::<PyResult<Vec<_>>>()?)?;
+    let charts = page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
+    found.set_item("charts", charts.collect::<Vec<_>>())?;
+    let text =
+        |(name, contents): &(String, Vec<u8>)| (name.clone(), String::from_utf8_lossy(contents).into_owned());
+    found.set_item("files", outcome.files.iter().map(text).collect::<Vec<_>>())?;
+    found.set_item("report", page.html(&spell))?;
+    Ok(found)
 }
 
 /// The name of a chart, the chart as SVG, and its content as JSON.
@@ -134,9 +111,10 @@ pub fn design<'py>(
         let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
         let sheet = found.sheet()?;
         let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
-        Ok(Found::new(page, vec![], Some(Provenance::new(study.seed, found.trials))))
+        let provenance = Some(Provenance::new(study.seed, found.trials));
+        Ok(Outcome { provenance, ..Outcome::new(String::new(), page) })
     })?;
-    found.into_python(py)
+    in_dict(py, found)
 }
 
 /// What decides the answer of a study with uncertain inputs.
@@ -170,9 +148,10 @@ pub fn sensitivity<'py>(
             Err(error) => Failure::Usage(in_python(&error.to_string())),
         })?;
         let provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
-        Ok(Found::new(page::of_sensitivity(&study, &found), vec![], provenance))
+        let page = page::of_sensitivity(&study, &found);
+        Ok(Outcome { provenance, ..Outcome::new(String::new(), page) })
     })?;
-    found.into_python(py)
+    in_dict(py, found)
 }
 
 /// Two records compared; `names` are what they are called.
@@ -189,16 +168,12 @@ pub fn compare<'py>(
     let b = &*records.1.log(py, &readings.1, &names.1)?;
     let found = compute_on(py, readings.0.threads, || {
         let treatment = readings.0.treatment();
-        let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
-        let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<Vec<_>, _>>()?;
-        compared::logs::check(&limits, Some(fitting.terms.all()))?;
-        let logs = [(Path::new(&names.0), a), (Path::new(&names.1), b)];
-        let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
-            .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
-        let decision = analysis.decision(&limits);
-        Ok(Found::new(page::of_comparison([a, b], &analysis, &decision), vec![], None))
+        let fitting = Some(Fitting::from(terms_of(terms.as_deref(), treatment.trend)?));
+        let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<_, _>>()?;
+        let request = CompareRequest { treatment, fitting, limits };
+        Ok(compare_logs([(Path::new(&names.0), a), (Path::new(&names.1), b)], &request)?)
     })?;
-    found.into_python(py)
+    in_dict(py, found)
 }
 
 /// Several records as a batch of units; `names` are what they are called.
@@ -213,25 +188,19 @@ pub fn batch<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (trend, threads) =
         readings.first().map_or((Trend::None, 0), |one| (one.treatment().trend, one.threads));
-    let terms = terms_of(terms.as_deref(), trend)?;
-    let fitted = Some(terms.all());
-    let asked = Asked { fitting: Some(Fitting::from(terms.clone())), simulated: Some(0), ..Asked::default() };
+    let fitting = Some(Fitting::from(terms_of(terms.as_deref(), trend)?));
+    let limits = limits.iter().map(|text| Limit::parse(text, Limited::OF_BATCH)).collect::<Result<_, _>>();
+    let request = BatchRequest { fitting, limits: limits.map_err(Failure::from)? };
+    request.check().map_err(Failure::from)?;
     let mut analyses = Vec::new();
     // One after the other, because each copy of an array may fill the memory.
     for ((record, reading), name) in records.iter().zip(&readings).zip(&names) {
         let log = record.log(py, reading, name)?;
         analyses.push(compute_on(py, threads, || {
-            limits_of(&limits, Limited::OF_BATCH, fitted, &units_of(&log))?;
-            Ok(log::Analysis::of(&log, Path::new(name), &reading.treatment(), &asked, &Silent)?)
+            Ok(request.analyze(&log, Path::new(name), &reading.treatment())?)
         })?);
     }
-    let found = compute_on(py, threads, || {
-        let limits = limits_of(&limits, Limited::OF_BATCH, fitted, &Curves::ALL)?;
-        let batch = Batch::of(analyses)?;
-        let decision = batch.decision(&limits);
-        Ok(Found::new(page::of_batch(&batch, &decision), vec![], None))
-    })?;
-    found.into_python(py)
+    in_dict(py, compute_on(py, threads, || Ok(compare_units(analyses, &request)?))?)
 }
 
 /// The options of the analysis of a record.
@@ -261,17 +230,20 @@ pub struct Whole {
 }
 
 impl Whole {
-    fn asked(self, treatment: &Treatment, units: &[Curves]) -> Result<whole::Asked, Failure> {
-        let Whole { range: (from_s, to_s), confidence, segment_s: length_s, .. } = self;
+    fn request(self, treatment: Treatment) -> Result<AllanRequest, Failure> {
+        let Whole {
+            range: (from_s, to_s), confidence, segment_s: length_s, needs_spectrum: is_required, ..
+        } = self;
         let terms = self.is_fitted.then(|| terms_of(self.terms.as_deref(), treatment.trend)).transpose()?;
-        let limits = limits_of(&self.limits, &Limited::OF_LOG, terms.as_ref().map(Terms::all), units)?;
+        let limits = self.limits.iter().map(|text| Limit::parse(text, &Limited::OF_LOG));
         let fitting = terms.map(|terms| Fitting { terms, from_s, to_s, is_forced: self.is_forced });
         let deviation = |name: &String| name.parse().map_err(|error| Failure::Usage(format!("{error}")));
         let limit = self.position_limit.as_deref();
         let limit = limit.map(|text| at_least_0("position_limit", text, Dimension::Distance)).transpose()?;
         let trend = if self.is_linear { Trend::Linear } else { Trend::None };
-        Ok(whole::Asked {
-            noise: Asked {
+        Ok(AllanRequest {
+            treatment,
+            noise: NoiseRequest {
                 taus: self.taus.taus()?,
                 deviations: self.deviations.iter().map(deviation).collect::<Result<_, _>>()?,
                 confidence,
@@ -279,11 +251,12 @@ impl Whole {
                 fitting,
                 simulated: self.bootstrap,
             },
-            segments: self.has_spectrum.then_some(Segments { length_s, trend }),
+            segments: self.has_spectrum.then_some(Segments { length_s, trend, is_required }),
+            effects: effects_of(&self.effects)?,
             is_compensated: self.is_compensated,
             window_s: self.is_dynamic.then_some(self.window_s),
-            navigators: self.navigate_s.map(|duration_s| navigators::Asked { duration_s, limit }),
-            limits,
+            navigators: self.navigate_s.map(|duration_s| NavigatorRequest { duration_s, limit }),
+            limits: limits.collect::<Result<_, _>>()?,
         })
     }
 }
@@ -299,27 +272,11 @@ pub fn analyze<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let log = record.log(py, &reading, &name)?;
     let found = compute_on(py, reading.threads, || {
-        let treatment = reading.treatment();
+        let request = asked.request(reading.treatment())?;
         let mut log = log.into_owned();
-        let (needs_spectrum, effects) = (asked.needs_spectrum, asked.effects.clone());
-        let asked = asked.asked(&treatment, &units_of(&log))?;
-        let temperature = temperature_of(&mut log, &effects, &treatment)?;
-        if asked.is_compensated && temperature.is_none() {
-            return Err(no_temperature());
-        }
-        let path = Path::new(&name);
-        let whole = whole::Whole::of(log, temperature, path, &treatment, &asked, &mut vec![], &Silent)?;
-        if let Some(why) = whole.without.filter(|_| needs_spectrum) {
-            return Err(Failure::Record(in_python(&why.to_string())));
-        }
-        Ok(Found::new(whole.page, whole.tables, None).with(whole.files))
+        Ok(use_cases::allan(&mut log, Path::new(&name), &request, &mut vec![], &Silent)?)
     })?;
-    found.into_python(py)
-}
-
-/// The units of the curves of a log.
-fn units_of(log: &Log) -> Vec<Curves> {
-    log.channels.iter().map(|channel| channel.unit.curves).collect()
+    in_dict(py, found)
 }
 
 /// How a model is to be found.
@@ -338,8 +295,11 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    fn asked(&self) -> modelled::Asked {
-        modelled::Asked {
+    /// The request, of a record with this treatment and fit.
+    fn request(&self, treatment: Treatment, fitting: Option<Fitting>) -> Result<ModelRequest, Failure> {
+        let names = self.write.join(",");
+        let writers = if names.is_empty() { Ok(vec![]) } else { named(&names) };
+        Ok(ModelRequest {
             from_s: self.from_s,
             to_s: self.to_s,
             aim: match self.bound.as_deref() {
@@ -352,17 +312,10 @@ impl Wanted {
             quantization: if self.is_white { Quantization::White } else { Quantization::Measurement },
             filter_hz: self.filter_hz,
             confidence: self.confidence,
-        }
-    }
-
-    fn found(&self, source: Source, targets: Vec<Target>) -> Result<Found, Failure> {
-        let names = self.write.join(",");
-        let writers = if names.is_empty() { Ok(vec![]) } else { named(&names) };
-        let writers = writers.map_err(|why| Failure::Usage(format!("write=\"{names}\": {why}")))?;
-        let analysis = modelled::Analysis::of(source, targets, &self.asked())?;
-        let page = page::of_model(&analysis, &writers);
-        let document = json(&document(&analysis, &page, &writers));
-        Ok(Found { page, document, tables: vec![], files: vec![] })
+            treatment,
+            fitting,
+            writers: writers.map_err(|why| Failure::Usage(format!("write=\"{names}\": {why}")))?,
+        })
     }
 }
 
@@ -378,19 +331,12 @@ pub fn model_of_record<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let log = record.log(py, &reading, &name)?;
     let found = compute_on(py, reading.threads, || {
-        // Events are no noise that a filter could have a state for.
-        let treatment = Treatment { events_removed: true, ..reading.treatment() };
-        let asked = Asked {
-            taus: Taus::Decade(10),
-            confidence: wanted.confidence,
-            fitting: Some(Fitting::from(terms_of(terms.as_deref(), treatment.trend)?)),
-            simulated: Some(0),
-            ..Asked::default()
-        };
-        let analysis = log::Analysis::of(&log, Path::new(&name), &treatment, &asked, &Silent)?;
-        wanted.found(Source::of_log(&analysis), Target::of_log(&analysis)?)
+        let treatment = reading.treatment();
+        let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
+        let source = ModelSource::Log(&log, Path::new(&name));
+        Ok(model_noise(source, &wanted.request(treatment, Some(fitting))?, &Silent)?)
     })?;
-    found.into_python(py)
+    in_dict(py, found)
 }
 
 /// The noise model of the coefficients of a noise.toml, for a filter.
@@ -403,11 +349,11 @@ pub fn model_of_noise<'py>(
     wanted: Wanted,
 ) -> PyResult<Bound<'py, PyDict>> {
     let found = compute_on(py, 0, || {
-        let (source, target) = match path {
-            Some(path) => of_file(&path, &wanted.asked())?,
-            None => of_text("noise", &text, &wanted.asked())?,
+        let source = match &path {
+            Some(path) => ModelSource::NoiseFile(path),
+            None => ModelSource::NoiseText("noise", &text),
         };
-        wanted.found(source, vec![target])
+        Ok(model_noise(source, &wanted.request(Treatment::AS_RECORDED, None)?, &Silent)?)
     })?;
-    found.into_python(py)
+    in_dict(py, found)
 }

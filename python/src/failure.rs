@@ -3,12 +3,11 @@
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use sagnac::allan::deviation::TauError;
-use sagnac::analysis::batch::BatchError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
-use sagnac::analysis::whole::WholeError;
+use sagnac::analysis::use_cases::LogError;
 use sagnac::device::select::SelectError;
 use sagnac::diagnostics::{StudyError as Refused, spelled, visible};
 use sagnac::record::RecordError as Unreadable;
@@ -136,27 +135,13 @@ impl From<Unreadable> for Failure {
     }
 }
 
-impl From<WholeError> for Failure {
-    fn from(error: WholeError) -> Failure {
+impl From<LogError> for Failure {
+    fn from(error: LogError) -> Failure {
         let message = in_python(&error.to_string());
         match error {
-            WholeError::Tau(_) | WholeError::Dynamic(_) => Failure::Usage(message),
-            WholeError::Spectrum(_) => Failure::Record(message),
-        }
-    }
-}
-
-impl From<BatchError> for Failure {
-    fn from(error: BatchError) -> Failure {
-        Failure::Record(in_python(&error.to_string()))
-    }
-}
-
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Failure {
-        let message = in_python(&error.to_string());
-        match error {
-            ModelError::Noise(error) => Failure::Study(error),
+            LogError::Limit(error) | LogError::RatioLimit(error) => error.into(),
+            LogError::Model(ModelError::Noise(error)) => Failure::Study(error),
+            LogError::Tau(_) | LogError::Dynamic(_) => Failure::Usage(message),
             error if error.is_usage() => Failure::Usage(message),
             _ => Failure::Record(message),
         }

@@ -10,10 +10,11 @@ use sagnac::analysis::firmware::search::Asked;
 use sagnac::analysis::firmware::standalone::{Alone, KINDS};
 use sagnac::analysis::page::of_filler;
 use sagnac::diagnostics::StudyError;
+use sagnac::outcome::Outcome;
 use sagnac::quantity::Dimension;
 use sagnac::study::Study;
 
-use super::analysis::Found;
+use super::analysis::in_dict;
 use super::argument::at_least_0;
 use super::compute::compute;
 use super::failure::Failure;
@@ -110,9 +111,9 @@ pub fn of_study<'py>(
 }
 
 fn document<'py>(py: Python<'py>, (study, firmware): &(Study, Firmware)) -> PyResult<Bound<'py, PyDict>> {
-    let files = vec![("sagnac_filler.h".to_owned(), firmware.header())];
-    let found = Found::new(of_filler(study, firmware), vec![], None).with(files);
-    let document = found.into_python(py)?;
+    let files = vec![("sagnac_filler.h".to_owned(), firmware.header().into_bytes())];
+    let outcome = Outcome { files, ..Outcome::new(firmware.heading(), of_filler(study, firmware)) };
+    let document = in_dict(py, outcome)?;
     document.set_item(
         "at",
         firmware.at.iter().map(|(key, value)| (key.name, value.to_string())).collect::<Vec<_>>(),

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use sagnac::allan::angles::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::Temperature;
 use sagnac::analysis::temperature::regressors::Effects;
+use sagnac::analysis::use_cases::LogError;
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::measure::{Data, Unit, UnitCheck};
@@ -132,11 +132,8 @@ impl Wanted {
         Treatment {
             skip_s: self.skip_s,
             until_s: self.until_s,
-            trend: Trend::None,
-            outliers_removed: false,
-            events_removed: false,
             unit_check: check_of(self.unit_check),
-            is_compensated: false,
+            ..Treatment::AS_RECORDED
         }
     }
 }
@@ -225,29 +222,16 @@ impl Log {
     fn compensated(&self, py: Python, effects: &str, reading: Reading) -> PyResult<Log> {
         compute_on(py, reading.threads, || {
             let mut read = self.read.clone();
-            let found = temperature_of(&mut read, effects, &reading.treatment())?;
-            Ok(Log { read: found.ok_or_else(no_temperature)?.compensated(&read) })
+            let found = Temperature::noted(&mut read, &reading.treatment(), &effects_of(effects)?);
+            Ok(Log { read: found.ok_or(LogError::NoTemperature)?.compensated(&read) })
         })
     }
 }
 
-/// The error for a log without a temperature where one is needed.
-pub fn no_temperature() -> Failure {
-    let message =
-        "the record has no temperature\ngive its column, as in sagnac.read_log(path, temperature=\"temp\")";
-    Failure::Usage(message.to_owned())
-}
-
-/// The dependence of a log on temperature, if it was read with one; the log receives its notes.
+/// The terms of a dependence on temperature.
 ///
 /// # Errors
-/// The effects are unknown.
-pub fn temperature_of(
-    log: &mut Read,
-    effects: &str,
-    treatment: &Treatment,
-) -> Result<Option<Temperature>, Failure> {
-    let effects =
-        Effects::parse(effects).map_err(|why| Failure::Usage(format!("temperature_terms: {why}")))?;
-    Ok(Temperature::noted(log, treatment, &effects))
+/// One of them is unknown.
+pub fn effects_of(names: &str) -> Result<Effects, Failure> {
+    Effects::parse(names).map_err(|why| Failure::Usage(format!("temperature_terms: {why}")))
 }

@@ -142,13 +142,11 @@ impl Reading {
     /// The treatment of the samples.
     pub fn treatment(&self) -> Treatment {
         Treatment {
-            skip_s: 0.0,
-            until_s: None,
             trend: self.trend(),
             outliers_removed: self.remove_outliers,
             events_removed: self.remove_events,
             unit_check: check_of(self.unit_check),
-            is_compensated: false,
+            ..Treatment::AS_RECORDED
         }
     }
 

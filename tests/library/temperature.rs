@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::allan::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::regressors::{Effect, Effects};
 use sagnac::analysis::temperature::{Dependence, Temperature};
@@ -22,15 +21,7 @@ use crate::noise::record;
 const SAMPLES: usize = 20_000;
 
 fn treatment() -> Treatment {
-    Treatment {
-        skip_s: 0.0,
-        until_s: None,
-        trend: Trend::None,
-        outliers_removed: false,
-        events_removed: false,
-        unit_check: UnitCheck::Off,
-        is_compensated: false,
-    }
+    Treatment { unit_check: UnitCheck::Off, ..Treatment::AS_RECORDED }
 }
 
 /// A log of samples in °/h or ″ every second, with a temperature called `t`.

@@ -286,10 +286,8 @@ mod tests {
 
     use super::*;
     use crate::analysis::log::Treatment;
-    use sagnac_records::allan::Trend;
     use sagnac_records::fit::{Term, Terms};
     use sagnac_records::record::log::Log;
-    use sagnac_records::record::log::measure::UnitCheck;
     use sagnac_records::record::log::measure::{Data, Unit};
 
     #[test]
@@ -300,18 +298,9 @@ mod tests {
             Log::of_column("gz", Data::Rate, Unit::parse("deg/h", Data::Rate).unwrap(), 1.0, rates)
         };
         let (a, b) = (log(1), log(2));
-        let treatment = Treatment {
-            skip_s: 0.0,
-            until_s: None,
-            trend: Trend::None,
-            outliers_removed: false,
-            events_removed: false,
-            unit_check: UnitCheck::Off,
-            is_compensated: false,
-        };
         let fitting = Terms::Given(vec![Term::AngleRandomWalk]).into();
         let logs = [(Path::new("a.csv"), &a), (Path::new("b.csv"), &b)];
-        let analysis = Analysis::of(logs, &treatment, Some(&fitting)).unwrap();
+        let analysis = Analysis::of(logs, &Treatment::AS_RECORDED, Some(&fitting)).unwrap();
         for (series, fit) in curves(&analysis).series.iter().zip(analysis.comparison.fits().unwrap()) {
             let [from_s, to_s] = fit.tau_range;
             assert_eq!((series.law[0].0, series.law.last().unwrap().0), (from_s, to_s));

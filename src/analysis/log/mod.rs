@@ -1,16 +1,14 @@
 //! The noise of a recorded log: its deviations, its coefficients, and notes on both.
 //!
 //! ```text
-//! Log, Asked ─ of ─▶ Analysis ─┬─ tables, records ─▶ curve.csv, coefficients.csv, records.csv
+//! Log, NoiseRequest ─ of ─▶ Analysis ─┬─ tables, records ─▶ curve.csv, coefficients.csv, records.csv
 //!                              ├─ events ─▶ events.csv
 //!                              ├─ figures ─▶ charts
-//!                              ├─ noise_file ─▶ noise.toml, for studies
-//!                              └─ navigators ─▶ navigation.toml, a study, with its answer
+//!                              └─ noise_file ─▶ noise.toml, for studies
 //! ```
 
 pub mod events;
 pub mod figures;
-pub mod navigators;
 pub mod noise_file;
 pub(crate) mod records;
 pub mod report;
@@ -43,7 +41,7 @@ const LONG: usize = 1_000_000_000;
 
 /// The request for an analysis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
+pub struct NoiseRequest {
     /// Averaging times.
     pub taus: Taus,
     /// Deviations, each a curve.
@@ -59,21 +57,21 @@ pub struct Asked {
     pub simulated: Option<usize>,
 }
 
-impl Default for Asked {
-    /// The overlapping Allan deviation at octaves with 95 % intervals, without a fit.
-    fn default() -> Asked {
-        Asked {
+impl Default for NoiseRequest {
+    /// The overlapping Allan deviation at octaves with 95 % intervals, without a fit; intervals of coefficients in closed form.
+    fn default() -> NoiseRequest {
+        NoiseRequest {
             taus: Taus::Octave,
             deviations: vec![Deviation::Oadev],
             confidence: 0.95,
             intervals: Suppose::Record,
             fitting: None,
-            simulated: None,
+            simulated: Some(0),
         }
     }
 }
 
-impl Asked {
+impl NoiseRequest {
     /// Whether events stay in the record: there is no fit, or its terms are given.
     fn keeps_events(&self) -> bool {
         !matches!(self.fitting, Some(Fitting { terms: Terms::Auto(_), .. }))
@@ -195,6 +193,17 @@ pub struct Treatment {
 }
 
 impl Treatment {
+    /// The whole record as it is.
+    pub const AS_RECORDED: Treatment = Treatment {
+        skip_s: 0.0,
+        until_s: None,
+        trend: Trend::None,
+        outliers_removed: false,
+        events_removed: false,
+        unit_check: UnitCheck::On,
+        is_compensated: false,
+    };
+
     /// Reads the log at `path`, cuts and checks it.
     ///
     /// # Errors
@@ -324,15 +333,15 @@ impl Analysis {
         log: &Log,
         path: &Path,
         treatment: &Treatment,
-        asked: &Asked,
+        request: &NoiseRequest,
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
         let together = log.samples() * log.channels.len();
-        if asked.taus == Taus::All && together > MAX_OF_COLUMNS {
+        if request.taus == Taus::All && together > MAX_OF_COLUMNS {
             return Err(TauError::TooManyTogether(together));
         }
         let (thermometers, temperatures) = temperatures(log);
-        let column = |channel: &Channel| column(log, channel, &temperatures, treatment, asked, progress);
+        let column = |channel: &Channel| column(log, channel, &temperatures, treatment, request, progress);
         let mut columns: Vec<Column> = log.channels.iter().map(column).collect::<Result<_, _>>()?;
         note_equal(&mut columns, &mut vec![], |column| column.name.clone());
         Ok(Analysis {
@@ -340,10 +349,10 @@ impl Analysis {
             data: log.data,
             samples: log.samples(),
             step_s: log.step_s,
-            confidence: asked.confidence,
+            confidence: request.confidence,
             treatment: treatment.of(log),
             reading: log.notes.clone(),
-            keeps_events: asked.keeps_events(),
+            keeps_events: request.keeps_events(),
             thermometers,
             columns,
         })
@@ -428,7 +437,7 @@ fn column(
     channel: &Channel,
     temperatures: &[Vec<f64>],
     treatment: &Treatment,
-    asked: &Asked,
+    request: &NoiseRequest,
     progress: &dyn Progress,
 ) -> Result<Column, TauError> {
     let (data, step_s) = (log.data, log.step_s);
@@ -436,12 +445,12 @@ fn column(
     let (recorded, outliers) = treatment.recorded(&samples);
     let mut events = treatment.events(&recorded, &outliers, temperatures);
     let angles = if treatment.events_removed { &*events.without } else { &recorded };
-    let model = (asked.intervals == Suppose::Record).then(|| model(&events.without, treatment.trend));
-    let curves = asked.deviations.iter().map(|&deviation| {
-        let factors = asked.taus.factors(angles.len(), step_s, deviation)?;
-        let mut points = curve(angles, deviation, &factors, asked.confidence);
+    let model = (request.intervals == Suppose::Record).then(|| model(&events.without, treatment.trend));
+    let curves = request.deviations.iter().map(|&deviation| {
+        let factors = request.taus.factors(angles.len(), step_s, deviation)?;
+        let mut points = curve(angles, deviation, &factors, request.confidence);
         if let Some(model) = &model {
-            suppose(&mut points, angles, deviation, asked.confidence, model.as_ref());
+            suppose(&mut points, angles, deviation, request.confidence, model.as_ref());
         }
         let minimum = if deviation.is_of_angle() { None } else { minimum(&points) };
         Ok(Curve { deviation, minimum, points })
@@ -449,9 +458,9 @@ fn column(
     let curves = curves.collect::<Result<_, TauError>>()?;
     let unit = channel.unit.curves;
     let count = angles.len().saturating_sub(1);
-    let simulated = Intervals::simulated(asked.simulated, count * log.channels.len());
+    let simulated = Intervals::simulated(request.simulated, count * log.channels.len());
     let records = simulated.records;
-    if asked.fitting.is_some() && count.saturating_mul(records) > LONG {
+    if request.fitting.is_some() && count.saturating_mul(records) > LONG {
         progress.note(&format!(
             "{}: simulating {records} records of {count} samples for the intervals of coefficients; in closed form they take no \
              time",
@@ -460,11 +469,11 @@ fn column(
     }
     let slope = slope(angles, &samples);
     let (spread, missing) = (angles.spread().clone(), angles.missing());
-    if asked.keeps_events() && !treatment.events_removed {
+    if request.keeps_events() && !treatment.events_removed {
         events = events.kept(&recorded);
     }
     let noise =
-        asked.fitting.as_ref().map(|asked| DataSheet::of(&events, asked, unit, simulated)).transpose();
+        request.fitting.as_ref().map(|request| DataSheet::of(&events, request, unit, simulated)).transpose();
     Ok(Column {
         name: channel.name.clone(),
         unit,
@@ -491,8 +500,8 @@ fn listed(events: Vec<Event>, noise: &Result<Option<DataSheet>, String>) -> Vec<
 
 /// The noise that describes the curve of a record, with the shortest τ from which it does; `None` where none does.
 pub fn model(angles: &Angles, trend: Trend) -> Option<(Process, f64)> {
-    let asked = Fitting::from(Terms::of_model(trend));
-    let Described { mut fit, is_described, .. } = describe(&asked.curve(angles).ok()?, &asked).ok()?;
+    let request = Fitting::from(Terms::of_model(trend));
+    let Described { mut fit, is_described, .. } = describe(&request.curve(angles).ok()?, &request).ok()?;
     let is_ramp = |found: &Coefficient| found.term == Term::RateRamp && found.verdict == Verdict::Identified;
     // A ramp within its bound would make estimates at long τ look certain.
     let has_ramp = fit.coefficients.iter().any(is_ramp);

@@ -42,7 +42,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 }
 
 /// `noise.toml`, or with several columns `noise_<column>.toml`.
-pub(super) fn names(columns: &[Column]) -> Vec<String> {
+pub(crate) fn names(columns: &[Column]) -> Vec<String> {
     if let [_] = columns {
         return vec!["noise.toml".to_owned()];
     }
@@ -87,7 +87,7 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
 }
 
 /// A value with its unit, in the form that studies read.
-pub(super) fn quantity(term: Term, value: f64) -> String {
+pub(crate) fn quantity(term: Term, value: f64) -> String {
     let (factor, unit, _) = term.row().unit;
     format!("{} {unit}", significant(factor * value, 6))
 }
@@ -113,7 +113,7 @@ fn bound(coefficient: &Coefficient) -> String {
 }
 
 /// The line of an identified coefficient.
-pub(super) fn entry(coefficient: &Coefficient) -> Option<String> {
+pub(crate) fn entry(coefficient: &Coefficient) -> Option<String> {
     let value = quantity(coefficient.term, coefficient.value?);
     if coefficient.term == Term::BandLimit {
         return Some(format!("# Band limit of the sensor, which no study has: {value}"));

@@ -28,10 +28,13 @@ pub mod tables;
 pub mod target;
 pub mod writers;
 
+use crate::analysis::log::Treatment;
 use crate::analysis::log::events::Row;
 use crate::analysis::model::search::{Found, find};
 use crate::analysis::model::target::{Source, Target};
+use crate::analysis::model::writers::Writer;
 use sagnac_base::diagnostics::StudyError;
+use sagnac_records::fit::Fitting;
 use sagnac_theory::allan::{self, Part};
 
 /// A first-order Gauss–Markov state of the rate.
@@ -118,8 +121,8 @@ pub enum Quantization {
 }
 
 /// The request for a model.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
+#[derive(Debug, Clone)]
+pub struct ModelRequest {
     /// Shortest averaging time, s; by default that of the record.
     pub from_s: Option<f64>,
     /// Longest averaging time, s; by default a tenth of the record.
@@ -137,22 +140,12 @@ pub struct Asked {
     pub filter_hz: Option<f64>,
     /// Probability of the band.
     pub confidence: f64,
-}
-
-impl Default for Asked {
-    /// A bound within 20 %, with 95 % bands.
-    fn default() -> Asked {
-        Asked {
-            from_s: None,
-            to_s: None,
-            aim: Aim::Bound,
-            margin: 0.2,
-            states: None,
-            quantization: Quantization::Measurement,
-            filter_hz: None,
-            confidence: 0.95,
-        }
-    }
+    /// Treatment of a log.
+    pub treatment: Treatment,
+    /// The fit of a log, of which quantization and white noise are taken.
+    pub fitting: Option<Fitting>,
+    /// The tools for which files are written.
+    pub writers: Vec<&'static Writer>,
 }
 
 /// The models of a log or of a noise.toml.
@@ -161,7 +154,7 @@ pub struct Analysis {
     /// What was modelled.
     pub source: Source,
     /// The request.
-    pub asked: Asked,
+    pub request: ModelRequest,
     /// The model of each column.
     pub columns: Vec<Column>,
 }
@@ -180,14 +173,14 @@ impl Analysis {
     ///
     /// # Errors
     /// A target has no curve between the two times, or no model fits.
-    pub fn of(source: Source, targets: Vec<Target>, asked: &Asked) -> Result<Analysis, ModelError> {
+    pub fn of(source: Source, targets: Vec<Target>, request: &ModelRequest) -> Result<Analysis, ModelError> {
         let column = |target: Target| {
-            let target = target.between(asked)?;
-            let found = find(&target, asked)?;
+            let target = target.between(request)?;
+            let found = find(&target, request)?;
             Ok(Column { target, found })
         };
         let columns = targets.into_iter().map(column).collect::<Result<_, ModelError>>()?;
-        Ok(Analysis { source, asked: asked.clone(), columns })
+        Ok(Analysis { source, request: request.clone(), columns })
     }
 
     /// What the columns show besides noise.
@@ -197,7 +190,7 @@ impl Analysis {
 
     /// The rate of the filter, Hz; absent where neither it nor the rate of the record is known.
     pub fn filter_hz(&self) -> Option<f64> {
-        self.asked.filter_hz.or(self.source.rate_hz)
+        self.request.filter_hz.or(self.source.rate_hz)
     }
 }
 

@@ -14,7 +14,7 @@ use sagnac_report::chart::figure::{Axis, Figure, Law, LawLine, Part, Parts, Seri
 impl Analysis {
     /// The confidence as a percentage, such as `95 %`.
     pub fn percent(&self) -> String {
-        format!("{} %", significant(100.0 * self.asked.confidence, 3))
+        format!("{} %", significant(100.0 * self.request.confidence, 3))
     }
 
     /// The column whose bound lies farthest above.
@@ -42,7 +42,7 @@ impl Analysis {
 
     /// How far the model lies above what it bounds, or above the record that it describes, at most, and at which τ, s.
     fn excess(&self, column: &Column) -> (Reading, f64) {
-        let [excess, tau_s] = match self.asked.aim {
+        let [excess, tau_s] = match self.request.aim {
             Aim::Describe => column.found.over_record(&column.target),
             Aim::Bound | Aim::BoundRepeat => column.found.over_bound(&column.target),
         };
@@ -62,7 +62,7 @@ impl Analysis {
         };
         let several =
             model.markov.len() > 1 || (model.markov.is_empty() && model.white > 0.0 && model.walk > 0.0);
-        let verb = match (self.asked.aim, several) {
+        let verb = match (self.request.aim, several) {
             (Aim::Describe, true) => "describe",
             (Aim::Describe, false) => "describes",
             (_, true) => "bound",
@@ -102,7 +102,7 @@ impl Analysis {
             ];
             std::iter::once(column.target.name.clone().into()).chain(cells).collect()
         };
-        let over = if self.asked.aim == Aim::Describe { "above record" } else { "above bound" };
+        let over = if self.request.aim == Aim::Describe { "above record" } else { "above bound" };
         let heads = ["column", "white noise N", "random walk K", "Gauss–Markov σ, T", over];
         let worst = self.worst().and_then(|worst| columns.iter().position(|one| std::ptr::eq(one, worst)));
         AnswerTable {
@@ -115,7 +115,7 @@ impl Analysis {
         let (excess, tau_s) = self.excess(column);
         let at = |tau_s: f64| format!("at τ = {} s", significant(tau_s, 3));
         let [from_s, to_s] = column.target.taus().map(|tau_s| significant(tau_s, 3));
-        let what = match (self.asked.aim, column.target.has_band) {
+        let what = match (self.request.aim, column.target.has_band) {
             (Aim::Describe, _) => "above the record".to_owned(),
             (Aim::BoundRepeat, _) => format!("above the {} band of further records", self.percent()),
             (Aim::Bound, true) => format!("above the {} band", self.percent()),
@@ -138,15 +138,15 @@ impl Analysis {
         let tried: Vec<(usize, f64)> = column.found.tried.iter().filter_map(reached).collect();
         // One state less, which lies farther above.
         if let [.., (states, excess), (_, reached)] = tried[..]
-            && self.asked.states.is_none()
+            && self.request.states.is_none()
             && excess > reached
         {
             let reading = Reading::in_unit("excess", 100.0 * excess, "%", None);
             facts.push(value(&format!("With {states} states"), reading, "above".to_owned()));
         }
-        let missed = tried.last().is_some_and(|(_, excess)| *excess > self.asked.margin);
-        if missed && self.asked.states.is_none() && self.asked.aim != Aim::Describe {
-            let margin = significant(100.0 * self.asked.margin, 3);
+        let missed = tried.last().is_some_and(|(_, excess)| *excess > self.request.margin);
+        if missed && self.request.states.is_none() && self.request.aim != Aim::Describe {
+            let margin = significant(100.0 * self.request.margin, 3);
             facts.push(Fact::Caveat { text: format!("no number of states comes within {margin} %") });
         }
         facts
@@ -201,7 +201,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 fn widened(column: &Column, analysis: &Analysis) -> Option<String> {
     let usual_s = column.target.length_s.map(|length_s| length_s / MAX_TAU_PART);
     let [_, to_s] = column.target.taus();
-    let (asked_s, why) = match analysis.asked.to_s {
+    let (asked_s, why) = match analysis.request.to_s {
         Some(asked_s) => (asked_s, "which was asked for"),
         None => (usual_s?, "a tenth of the record"),
     };
@@ -230,7 +230,7 @@ pub fn figures(analysis: &Analysis) -> Vec<(String, Figure)> {
 fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
     let all: Vec<&Column> = analysis.columns.iter().filter(|column| column.target.unit == unit).collect();
     let first = *all.first()?;
-    let is_bound = analysis.asked.aim != Aim::Describe;
+    let is_bound = analysis.request.aim != Aim::Describe;
     let bound = |(colour, column): (usize, &&Column)| LawLine {
         colours: vec![colour],
         points: column
@@ -246,7 +246,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
         lines: all.iter().enumerate().map(bound).collect(),
         is_area: false,
     };
-    let title = match (analysis.asked.aim, unit) {
+    let title = match (analysis.request.aim, unit) {
         (Aim::Describe, Unit::Acceleration) => "Acceleration noise for a filter",
         (Aim::Describe, _) => "Rate noise for a filter",
         (_, Unit::Acceleration) => "Acceleration noise for a filter, bounded",
@@ -264,7 +264,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
         bands: format!("{} intervals", analysis.percent()),
         lines: "model".to_owned(),
         series: all.iter().enumerate().map(|(colour, column)| series(colour, column)).collect(),
-        laws: if analysis.asked.aim == Aim::BoundRepeat { vec![laws] } else { vec![] },
+        laws: if analysis.request.aim == Aim::BoundRepeat { vec![laws] } else { vec![] },
         parts: if all.len() > 1 { Parts::default() } else { parts(first) },
         ..Figure::default()
     })

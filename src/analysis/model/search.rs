@@ -1,7 +1,7 @@
 //! The search for a model, by least squares with constraints.
 
 use crate::analysis::model::target::{Target, repeated};
-use crate::analysis::model::{Aim, Asked, Markov, Model, ModelError};
+use crate::analysis::model::{Aim, Markov, Model, ModelError, ModelRequest};
 use rayon::prelude::*;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::fit::nnls;
@@ -93,21 +93,21 @@ pub(crate) struct Problem {
 ///
 /// # Errors
 /// No model lies within the band, or there is no record whose repetition could be bounded.
-pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> {
-    let bounds = match asked.aim {
-        Aim::BoundRepeat => repeated(target, asked.confidence)?,
+pub(crate) fn find(target: &Target, request: &ModelRequest) -> Result<Found, ModelError> {
+    let bounds = match request.aim {
+        Aim::BoundRepeat => repeated(target, request.confidence)?,
         Aim::Describe | Aim::Bound => target.points.iter().map(|point| point.upper).collect(),
     };
-    let problem = problem(target, &bounds, asked.aim);
+    let problem = problem(target, &bounds, request.aim);
     let times = times(target.taus(), target.step_s);
     let mut tried: Vec<Tried> = Vec::new();
     let mut best: Option<(f64, Model)> = None;
-    for states in asked.states.map_or(0..=MAX_STATES, |states| states..=states) {
+    for states in request.states.map_or(0..=MAX_STATES, |states| states..=states) {
         let found = problem.best(Allowed { walk: true, states, times: &times });
         let excess = found.as_ref().map(|model| problem.excess(model));
         tried.push(Tried { states, excess });
         let Some((excess, model)) = excess.zip(found) else { continue };
-        let is_enough = asked.aim == Aim::Describe || excess <= asked.margin;
+        let is_enough = request.aim == Aim::Describe || excess <= request.margin;
         if best.as_ref().is_none_or(|(before, _)| excess < WORTH * *before) {
             best = Some((excess, model));
         }
@@ -118,8 +118,9 @@ pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> 
     match best {
         Some((_, model)) => {
             // A bound may rise, and white noise of the record is no Markov noise.
-            let white = if asked.aim == Aim::Describe { model.white } else { model.white.max(target.white) };
-            let model = Model { quantization: quantization(target, asked.aim), white, ..model };
+            let white =
+                if request.aim == Aim::Describe { model.white } else { model.white.max(target.white) };
+            let model = Model { quantization: quantization(target, request.aim), white, ..model };
             Ok(Found { model, tried, bounds })
         }
         None => Err(outside(target, &bounds, &times)),

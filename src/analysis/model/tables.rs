@@ -6,13 +6,11 @@ use crate::analysis::log::report::{key, text};
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::state_space::{Discrete, discrete, si};
 use crate::analysis::model::target::Point;
-use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Aim, Analysis, Column, Markov};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{self, Deviation, Unit as Curves};
 use sagnac_records::fit::Term;
-use sagnac_report::page::Page;
 use sagnac_report::page::document::Document;
 use sagnac_theory::allan::{Part, continuous_variance};
 use serde::Serialize;
@@ -59,7 +57,7 @@ pub fn table(analysis: &Analysis) -> Table {
 }
 
 fn rows<'a>(analysis: &Analysis, column: &'a Column) -> Vec<Row<'a>> {
-    let bounds = |i: usize| (analysis.asked.aim != Aim::Describe).then(|| column.found.bounds[i]);
+    let bounds = |i: usize| (analysis.request.aim != Aim::Describe).then(|| column.found.bounds[i]);
     let points = column.target.points.iter().enumerate();
     points
         .map(|(i, point)| Row {
@@ -143,10 +141,10 @@ pub struct ModelDocument<'a> {
     #[serde(flatten)]
     pub document: Document<'a>,
     /// The models.
-    pub model: Models,
+    pub model: &'a Models,
     /// The texts of the files for tools that were asked for, by their names.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub files: BTreeMap<&'static str, String>,
+    pub files: BTreeMap<String, String>,
 }
 
 /// The models of all columns with what was asked for.
@@ -203,7 +201,7 @@ impl ColumnModel {
         let sigma = if target.unit == allan::Unit::Acceleration { "sigma_ug" } else { "sigma_deg_per_h" };
         let state = |state: &Markov| [(sigma, state.sigma), ("correlation_time_s", state.time_s)].into();
         let named = figures(column).into_iter().filter(|figure| !figure.key.is_empty());
-        let is_bound = analysis.asked.aim != Aim::Describe;
+        let is_bound = analysis.request.aim != Aim::Describe;
         let at_rate = |filter_hz: f64| discrete(&found.model, target.unit, 1.0 / filter_hz, to_s);
         ColumnModel {
             column: target.name.clone(),
@@ -224,19 +222,13 @@ impl ColumnModel {
 impl Models {
     /// The models of an analysis.
     pub fn new(analysis: &Analysis) -> Models {
-        let asked = &analysis.asked;
+        let request = &analysis.request;
         Models {
-            aim: asked.aim.name(),
-            confidence: asked.confidence,
-            margin: asked.margin,
+            aim: request.aim.name(),
+            confidence: request.confidence,
+            margin: request.margin,
             filter_hz: analysis.filter_hz(),
             columns: analysis.columns.iter().map(|column| ColumnModel::new(analysis, column)).collect(),
         }
     }
-}
-
-/// The document of models from their page, with the files that were asked for.
-pub fn document<'a>(analysis: &Analysis, page: &'a Page, writers: &[&'static Writer]) -> ModelDocument<'a> {
-    let files = texts(analysis, writers).into_iter().collect();
-    ModelDocument { document: page.document(&[]), model: Models::new(analysis), files }
 }

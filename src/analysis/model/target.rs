@@ -6,7 +6,7 @@ use crate::analysis::log::events::{Row, of_column};
 use crate::analysis::log::noise_file::{Intervals, intervals_of};
 use crate::analysis::log::report::heading;
 use crate::analysis::log::{self, report};
-use crate::analysis::model::{Asked, ModelError, Quantization};
+use crate::analysis::model::{ModelError, ModelRequest, Quantization};
 use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::noise::Noise;
@@ -120,14 +120,14 @@ impl Target {
     ///
     /// # Errors
     /// The curve does not reach the times, or there is no noise.
-    pub(crate) fn between(mut self, asked: &Asked) -> Result<Target, ModelError> {
+    pub(crate) fn between(mut self, request: &ModelRequest) -> Result<Target, ModelError> {
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else {
             return Err(ModelError::NoNoise(self.name));
         };
         let (shortest_s, longest_s) = (first.tau_s, last.tau_s);
-        let from_s = asked.from_s.unwrap_or(shortest_s);
+        let from_s = request.from_s.unwrap_or(shortest_s);
         let usual = self.length_s.map_or(longest_s, |length_s| (length_s / MAX_TAU_PART).min(longest_s));
-        let to_s = asked.to_s.unwrap_or(usual);
+        let to_s = request.to_s.unwrap_or(usual);
         if from_s >= to_s {
             return Err(ModelError::Order { from_s, to_s });
         }
@@ -150,15 +150,15 @@ impl Target {
         }
         if !self.has_band {
             for point in &mut self.points {
-                (point.lower, point.upper) = match asked.aim {
+                (point.lower, point.upper) = match request.aim {
                     crate::analysis::model::Aim::Describe => {
-                        (point.value * (1.0 - asked.margin), point.value * (1.0 + asked.margin))
+                        (point.value * (1.0 - request.margin), point.value * (1.0 + request.margin))
                     }
                     _ => (point.value, point.value),
                 };
             }
         }
-        if asked.quantization == Quantization::White {
+        if request.quantization == Quantization::White {
             self.quantization = None;
         }
         Ok(self)
@@ -219,17 +219,17 @@ impl Known {
 ///
 /// # Errors
 /// The file cannot be read, or is no noise; or the times are not given.
-pub fn of_file(path: &Path, asked: &Asked) -> Result<(Source, Target), ModelError> {
+pub fn of_file(path: &Path, request: &ModelRequest) -> Result<(Source, Target), ModelError> {
     let (noise, text) = Noise::read(path)?;
-    of_noise(&noise, &text, path, asked)
+    of_noise(&noise, &text, path, request)
 }
 
 /// The curve of the text of a noise.toml, which is called `name`.
 ///
 /// # Errors
 /// The text is no noise, or the times are not given.
-pub fn of_text(name: &str, text: &str, asked: &Asked) -> Result<(Source, Target), ModelError> {
-    of_noise(&Noise::parse(name, text)?, text, Path::new(name), asked)
+pub fn of_text(name: &str, text: &str, request: &ModelRequest) -> Result<(Source, Target), ModelError> {
+    of_noise(&Noise::parse(name, text)?, text, Path::new(name), request)
 }
 
 /// The curve of noise; `text` is that of the file, for its intervals.
@@ -238,8 +238,13 @@ pub fn of_text(name: &str, text: &str, asked: &Asked) -> Result<(Source, Target)
 ///
 /// # Errors
 /// The times are not given.
-fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(Source, Target), ModelError> {
-    let (Some(from_s), Some(to_s)) = (asked.from_s, asked.to_s) else { return Err(ModelError::NoTimes) };
+fn of_noise(
+    noise: &Noise,
+    text: &str,
+    path: &Path,
+    request: &ModelRequest,
+) -> Result<(Source, Target), ModelError> {
+    let (Some(from_s), Some(to_s)) = (request.from_s, request.to_s) else { return Err(ModelError::NoTimes) };
     if from_s >= to_s || from_s <= 0.0 {
         return Err(ModelError::Order { from_s, to_s });
     }

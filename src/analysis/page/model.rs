@@ -4,7 +4,6 @@ use crate::analysis::log::events;
 use crate::analysis::model::report::notes;
 use crate::analysis::model::state_space::discrete;
 use crate::analysis::model::target::Point;
-use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Aim, Analysis, Column, report, tables};
 use crate::analysis::page::{chart, shown};
 use sagnac_base::quantity::number::significant;
@@ -13,15 +12,15 @@ use sagnac_records::allan::Deviation;
 use sagnac_report::chart::Picture;
 use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 
-/// The page of the models of a log or a noise.toml, with the files that were written for tools.
-pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
+/// The page of the models of a log or a noise.toml, with the texts of files for tools by their names.
+pub fn of_model(analysis: &Analysis, texts: &[(&'static str, String)]) -> Page {
     let charts = report::figures(analysis).into_iter();
     let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
     let columns = || analysis.columns.iter();
     let curves = charts.chain(columns().map(|column| curve(analysis, column)));
     let coefficients = columns().map(|column| Block::Grid(coefficients(column)));
     let at_rate = columns().flat_map(|column| matrices(analysis, column));
-    let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name.to_owned(), text));
+    let files = texts.iter().map(|(name, text)| Block::File((*name).to_owned(), text.clone()));
     Page {
         title: format!(
             "Noise model of {}",
@@ -62,7 +61,7 @@ fn coefficients(column: &Column) -> Grid {
 /// The curve of a column beside that of its model.
 fn curve(analysis: &Analysis, Column { target, found }: &Column) -> Block {
     let percent = |part: f64| format!("{:+.1} %", 100.0 * part);
-    let (is_bound, bound) = match analysis.asked.aim {
+    let (is_bound, bound) = match analysis.request.aim {
         Aim::Describe => (false, "upper"),
         Aim::Bound => (true, "upper"),
         Aim::BoundRepeat => (true, "bound"),

@@ -242,7 +242,7 @@ fn list(values: [f64; 3], between: &str) -> String {
 fn bounded(column: &Column, analysis: &Analysis) -> String {
     let [from_s, to_s] = column.target.taus().map(|tau_s| significant(tau_s, 4));
     let range = format!("from τ = {from_s} s to {to_s} s");
-    match (analysis.asked.aim, column.target.has_band) {
+    match (analysis.request.aim, column.target.has_band) {
         (Aim::Describe, _) => format!("The Allan deviation lies within the band of the record {range}."),
         (Aim::Bound, true) => format!(
             "The Allan deviation is nowhere below the upper end of the {} band {range}.",

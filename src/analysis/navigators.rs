@@ -68,7 +68,7 @@ pub struct Navigators {
 
 /// The time after which navigators are asked for their place, and the limit on their distance from it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
+pub struct NavigatorRequest {
     /// Time after the start, s.
     pub duration_s: f64,
     /// The largest accepted distance from their place, for 95 % of them.
@@ -82,11 +82,11 @@ pub struct Asked {
 /// gyros, and stays there.
 pub fn navigators(
     analysis: &Analysis,
-    asked: &Asked,
+    request: &NavigatorRequest,
     progress: &dyn Progress,
 ) -> Vec<Result<Navigators, String>> {
     let of = |column: &Column| {
-        let found = of_column(analysis, column, asked, progress);
+        let found = of_column(analysis, column, request, progress);
         found.map_err(|why| format!("{}: no navigator: {why}", column.name))
     };
     analysis.columns.iter().map(of).collect()
@@ -95,7 +95,7 @@ pub fn navigators(
 fn of_column(
     analysis: &Analysis,
     column: &Column,
-    asked: &Asked,
+    request: &NavigatorRequest,
     progress: &dyn Progress,
 ) -> Result<Navigators, String> {
     if column.unit != Unit::Angular {
@@ -104,7 +104,7 @@ fn of_column(
     let noise = column.noise().ok_or("its noise has no coefficients")?;
     let fast_hz = |one: &Coefficient| {
         let frequency = one.shape.filter(|_| one.term == Term::Sine && one.value.is_some())?.value;
-        (frequency * asked.duration_s > MANY_PERIODS).then_some(frequency)
+        (frequency * request.duration_s > MANY_PERIODS).then_some(frequency)
     };
     let left_out_hz = noise.fit.coefficients.iter().find_map(fast_hz);
     let coefficients: Vec<&Coefficient> =
@@ -116,11 +116,11 @@ fn of_column(
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     let about = format!("{START}{} of {}", one_line(&column.name), one_line(&file));
     let spreads: Vec<String> = coefficients.iter().copied().filter_map(spread).collect();
-    let study = study_of(&about, asked, DRAWS, &lines, &spreads);
+    let study = study_of(&about, request, DRAWS, &lines, &spreads);
     let tables = tables(&study)?;
     let (within, unit) = radius(&tables)?;
     let (half, class) = circular(&tables).ok_or("no navigator has a circular error")?;
-    let compared = parsed(&study_of(&about, asked, DRAWS_COMPARED, &lines, &spreads))?;
+    let compared = parsed(&study_of(&about, request, DRAWS_COMPARED, &lines, &spreads))?;
     let sheet = decide(&compared, &tables, progress).map_err(|error| error.to_string())?;
     let sheet = sheet.ok_or("the study judges nothing")?;
     let bounds: Vec<(&Coefficient, String)> =
@@ -131,11 +131,11 @@ fn of_column(
             let all: Vec<String> =
                 lines.iter().cloned().chain(bounds.iter().map(|one| one.1.clone())).collect();
             let names = bounds.iter().map(|(one, _)| one.term.symbol().to_owned()).collect();
-            let tables = self::tables(&study_of(&about, asked, DRAWS, &all, &spreads))?;
+            let tables = self::tables(&study_of(&about, request, DRAWS, &all, &spreads))?;
             Some((names, radius(&tables)?.0.value))
         }
     };
-    let (column, duration_s) = (column.name.clone(), asked.duration_s);
+    let (column, duration_s) = (column.name.clone(), request.duration_s);
     Ok(Navigators { column, study, duration_s, within, unit, half, class, left_out_hz, at_bounds, sheet })
 }
 
@@ -169,10 +169,16 @@ fn spread(coefficient: &Coefficient) -> Option<String> {
     })
 }
 
-fn study_of(about: &str, asked: &Asked, draws: u64, noise: &[String], spreads: &[String]) -> String {
-    let duration_s = asked.duration_s;
+fn study_of(
+    about: &str,
+    request: &NavigatorRequest,
+    draws: u64,
+    noise: &[String],
+    spreads: &[String],
+) -> String {
+    let duration_s = request.duration_s;
     let draws = if spreads.is_empty() { String::new() } else { format!("draws = {draws}\n") };
-    let limit = asked.limit.map_or_else(String::new, |limit| format!("limit = \"{limit}\"\n"));
+    let limit = request.limit.map_or_else(String::new, |limit| format!("limit = \"{limit}\"\n"));
     let (after, duration, noise) = (spoken(duration_s), significant(duration_s, 12), noise.join("\n"));
     format!(
         "{about}{END}\n\
@@ -323,8 +329,8 @@ mod tests {
             "angle_random_walk = \"0.00048 deg/sqrt(h)\"".to_owned(),
             "bias_instability = \"0.00164 deg/h\"".to_owned(),
         ];
-        let asked = Asked { duration_s: 3600.0, limit: None };
-        let tables = tables(&study_of("# A gyro", &asked, DRAWS, &lines, &[])).unwrap();
+        let request = NavigatorRequest { duration_s: 3600.0, limit: None };
+        let tables = tables(&study_of("# A gyro", &request, DRAWS, &lines, &[])).unwrap();
         let (found, unit) = radius(&tables).unwrap();
         // LGV-1 without its Q, which changes the third digit: 0.3675 nmi.
         assert!((found.value - 0.3675).abs() < 0.03 * 0.3675, "{found:?}");
