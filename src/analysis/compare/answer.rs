@@ -271,13 +271,3 @@ pub fn times(ratio: f64, digits: usize) -> String {
     let shown = (digits..digits + 6).map(|digits| significant(ratio, digits));
     shown.into_iter().find(|text| text != "1").unwrap_or_else(|| "1".to_owned())
 }
-
-/// An interval such as `0.6 … 1.3`, with words where an end is unknown.
-pub(crate) fn interval([low, high]: [Option<f64>; 2], number: &dyn Fn(f64) -> String) -> String {
-    match (low, high) {
-        (Some(low), Some(high)) => format!("{} … {}", number(low), number(high)),
-        (Some(low), None) => format!("at least {}", number(low)),
-        (None, Some(high)) => format!("at most {}", number(high)),
-        (None, None) => "no interval".to_owned(),
-    }
-}

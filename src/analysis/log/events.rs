@@ -1,4 +1,4 @@
-//! What a record shows besides noise: `events.csv`, and the list at the head of a report.
+//! What a record shows besides noise: `events.csv`.
 
 use std::cmp::Ordering;
 use std::f64::consts::PI;
@@ -6,7 +6,6 @@ use std::ops::Range;
 
 use crate::analysis::log::report::{key, text};
 use crate::analysis::log::{Analysis, Column, Treatment};
-use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{Deviation, Unit as Curves};
@@ -51,40 +50,12 @@ impl Row {
         Some(size * half_turn / libm::sin(half_turn))
     }
 
-    /// The size as a cell of the list, with the amplitude before averaging where it differs in the digits shown.
-    fn size(&self) -> Option<String> {
-        let size = significant(self.of_event(|event| event.size)?, 3);
-        let unaveraged = self.unaveraged().map(|amplitude| significant(amplitude, 3));
-        let unaveraged = unaveraged
-            .filter(|amplitude| *amplitude != size)
-            .map(|amplitude| format!(" ({amplitude} unaveraged)"));
-        let unit = self.unit.symbol(Deviation::Oadev);
-        Some(format!("{size} {unit}{}{}", self.per(), unaveraged.unwrap_or_default()))
-    }
-
     /// The event with what was done with it, in a few words, with the name of its record where there are several.
     pub(crate) fn brief(&self, is_named: bool) -> String {
         let of = if is_named { format!("{}: ", self.record) } else { String::new() };
         let done = self.done.replace("; ", ", ");
         let is_about = [SUBTRACTED, LEFT_OUT, REMOVED].iter().all(|usual| done != *usual);
         format!("{of}{} {}", self.what, if is_about { format!("({done})") } else { done })
-    }
-
-    /// The row as cells of the list.
-    fn line(&self) -> Vec<String> {
-        let time = self.time_s.map(|time_s| format!("{} s", significant(time_s, 6)));
-        let frequency =
-            self.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
-        let is_stretch = |event: &Event| matches!(event.what, What::NoiseBurst | What::Burst);
-        let length_s = |event: &Event| self.length_s.filter(|_| is_stretch(event));
-        let lasting = self.of_event(|event| event.time_s.or(length_s(event)));
-        let lasting = lasting.map(|time_s| format!("{} s", significant(time_s, 3)));
-        let other = Some(self.other.clone()).filter(|other| !other.is_empty());
-        let at = other.or(frequency).or(time);
-        let number = if self.count > 1 { self.count.to_string() } else { String::new() };
-        let [size, at, lasting] = [self.size(), at, lasting].map(Option::unwrap_or_default);
-        let (what, done) = (self.what.to_owned(), self.done.to_owned());
-        vec![self.record.clone(), what, size, at, lasting, number, done, self.option.clone()]
     }
 }
 
@@ -280,14 +251,6 @@ pub(crate) fn of_column(analysis: &Analysis, column: &Column) -> Vec<Row> {
 /// Whether the fit leaves out events that the curves of a column have.
 pub(crate) fn are_left_out(analysis: &Analysis, column: &Column) -> bool {
     of_column(analysis, column).iter().any(|row| [LEFT_OUT, SUBTRACTED].contains(&row.done))
-}
-
-/// The heading of the list of what a record shows.
-pub const HEADING: [&str; 8] = ["", "event", "size", "at", "lasting", "number", "done", "to remove"];
-
-/// What records show besides noise, a line for each event.
-pub fn list(rows: &[Row]) -> Vec<Vec<String>> {
-    rows.iter().map(Row::line).collect()
 }
 
 /// Events as a table.

@@ -1,24 +1,25 @@
-//! The page of a log.
+//! The page of a log, with the sections that only some have.
 
 use rayon::prelude::*;
 
 use crate::analysis::compare::answer::duration;
 use crate::analysis::compare::power_analysis::expected;
 use crate::analysis::data_sheet::{Row, each_once};
-use crate::analysis::log::{Analysis as Noise, Column, Curve, events, figures, noise_file, report};
+use crate::analysis::dynamic::{self, Dynamic};
+use crate::analysis::log::{Analysis as Noise, Column, events, figures, noise_file, report};
 use crate::analysis::page::record::{self, by_name};
-use crate::analysis::page::{chart, interval, range, shown, spectrum, stability};
+use crate::analysis::page::{chart, grid, grid_where, range, shown, spectrum, texts};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, report as of_spectra};
+use crate::analysis::temperature::{self, Temperature};
 use sagnac_base::quantity::number::{significant, with_unit};
 use sagnac_base::table::titled;
-use sagnac_records::allan::noise::MIN_GROUPS;
-use sagnac_records::allan::{Point, Spread, Unit};
+use sagnac_records::allan::{Deviation, Spread, Unit};
 use sagnac_records::fit::{Fit, Terms, Verdict};
 use sagnac_records::record::log::Log;
 use sagnac_report::answer::Answer;
 use sagnac_report::chart::Picture;
 use sagnac_report::chart::figure::Figure;
-use sagnac_report::page::{Block, Cell, Grid, Page, Section};
+use sagnac_report::page::{Block, Grid, Page, Section};
 use sagnac_theory::allan::{Process, Term};
 
 /// How many times longer records are tried.
@@ -86,124 +87,43 @@ fn deviations(noise: &Noise) -> Section {
 
 /// A table for each deviation of each unit.
 fn curve_tables(noise: &Noise) -> Vec<Block> {
+    let table = report::table(noise);
+    let [names, deviations] = ["column", "deviation"].map(|name| texts(&table, name));
     let of_unit = |unit: Unit| {
         let columns: Vec<&Column> = noise.of_unit(unit).collect();
-        let count = columns.first().map_or(0, |column| column.curves.len());
-        let of_deviation = |at: usize| {
-            let curves: Vec<&Curve> = columns.iter().map(|column| &column.curves[at]).collect();
-            let deviation = curves[0].deviation;
+        let of_deviation = |deviation: Deviation| {
             let title = titled(deviation.title(), unit.symbol(deviation));
-            let grid = match (&curves[..], &columns[..]) {
-                ([curve], _) => of_curve(curve, unit, &noise.percent()),
-                (_, columns) => of_curves(&curves, columns),
+            let is_meant = |row: usize| {
+                deviations[row] == deviation.name() && columns.iter().any(|column| column.name == names[row])
             };
-            Block::More(format!("{title}, with {} intervals", noise.percent()), grid)
+            let omitted = ["deviation", "m", "unit", "alpha_from", "treatment", "edf", "edf_from"];
+            let omitted =
+                if columns.len() > 1 { &omitted[..] } else { &[&omitted[..], &["column"]].concat() };
+            Block::More(
+                format!("{title}, with {} intervals", noise.percent()),
+                grid_where(&table, omitted, is_meant),
+            )
         };
-        (0..count).map(of_deviation).collect::<Vec<_>>()
+        let curves = columns.first().map_or(&[][..], |column| &column.curves);
+        curves.iter().map(|curve| of_deviation(curve.deviation)).collect::<Vec<_>>()
     };
     noise.units().flat_map(of_unit).collect()
 }
 
-/// A row for each averaging time of a curve.
-fn of_curve(curve: &Curve, unit: Unit, percent: &str) -> Grid {
-    let row = |point: &Point| {
-        let kind = point.noise.map_or_else(String::new, |noise| {
-            let carried =
-                if noise.carried { format!(", below {MIN_GROUPS} averages") } else { String::new() };
-            format!("{} (α = {}){carried}", noise.name(unit), noise.alpha)
-        });
-        let [tau, terms] = [significant(point.tau_s, 7), point.terms.to_string()];
-        let value = point.value.map_or_else(String::new, |value| significant(value, 4));
-        let ends = point.interval.map_or_else(String::new, |ends| interval(ends.into()));
-        [tau, terms, value, ends, kind]
-    };
-    let ends = format!("{percent} interval");
-    let head = ["τ, s", "number", curve.deviation.name(), &ends, "noise"];
-    Grid::new(head, curve.points.iter().map(row))
-}
-
-/// A row for each averaging time, with a cell for each column.
-fn of_curves(curves: &[&Curve], columns: &[&Column]) -> Grid {
-    let row = |at: usize| {
-        let cell = |curve: &&Curve| {
-            let point = &curve.points[at];
-            let below = point.interval.map_or_else(String::new, |ends| interval(ends.into()));
-            point.value.map_or_else(Cell::default, |value| Cell { text: significant(value, 4), below })
-        };
-        let tau = significant(curves[0].points[at].tau_s, 7).into();
-        std::iter::once(tau).chain(curves.iter().map(cell)).collect::<Vec<_>>()
-    };
-    let head = std::iter::once("τ, s").chain(columns.iter().map(|column| &*column.name));
-    Grid::new(head, (0..curves[0].points.len()).map(row))
-}
-
 fn coefficients(noise: &Noise) -> Section {
-    let columns: Vec<&Column> =
-        noise.columns.iter().filter(|column| !column.coefficients().is_empty()).collect();
-    let is_there = |unit: &Unit| columns.iter().any(|column| column.unit == *unit);
-    let grids = Unit::ALL.into_iter().filter(is_there).map(|unit| {
-        let columns: Vec<&Column> = columns.iter().copied().filter(|column| column.unit == unit).collect();
-        Block::Grid(if let [column] = columns[..] { of_column(column) } else { of_columns(&columns) })
-    });
-    let of = |said: &dyn Fn(&Column) -> Option<String>| {
-        by_name(noise.columns.iter().filter_map(|column| Some((&*column.name, said(column)?))).collect())
+    let table = grid(&report::coefficients(noise), &["intervals", "fit_from", "fit_to", "fitted"]);
+    let table = (!table.rows.is_empty()).then_some(Block::Grid(table));
+    let of = |text: &dyn Fn(&Column) -> Option<String>| {
+        by_name(noise.columns.iter().filter_map(|column| Some((&*column.name, text(column)?))).collect())
     };
     let facts = [
         ("Fit", of(&fit)),
         ("95 % intervals", of(&|column| Some(column.noise()?.intervals.words()))),
-        ("In-run bias stability", of(&stability)),
         ("Record that would show B", by_name(longer_records(noise))),
     ];
     let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
     let facts = (!facts.is_empty()).then_some(Block::Facts(facts));
-    Section::new("coefficients", "Coefficients", grids.chain(facts))
-}
-
-/// A row for each coefficient.
-fn of_column(column: &Column) -> Grid {
-    let row = |row: &Row| {
-        let interval = match (row.value, row.interval) {
-            (Some(_), Some(ends)) => interval(ends),
-            _ => bound(row),
-        };
-        let value = row.value.map_or_else(String::new, |value| significant(value, 4));
-        [row.name.to_owned(), value, interval, row.symbol.to_owned(), row.verdict.to_owned()]
-    };
-    let head = ["coefficient", "value", "95 % interval", "unit", "status"];
-    Grid::new(head, column.coefficients().iter().map(row))
-}
-
-/// A row for each coefficient, with a cell for each column.
-fn of_columns(columns: &[&Column]) -> Grid {
-    let found = each_once(columns.iter().flat_map(|column| column.coefficients()));
-    let row = |first: &&Row| {
-        let cell = |column: &&Column| {
-            let own = column.coefficients().iter().find(|row| row.name == first.name);
-            own.map_or_else(Cell::default, cell)
-        };
-        let named = [first.name, first.symbol].map(Cell::from);
-        named.into_iter().chain(columns.iter().map(cell)).collect::<Vec<_>>()
-    };
-    let head = ["coefficient", "unit"].into_iter().chain(columns.iter().map(|column| &*column.name));
-    Grid::new(head, found.iter().map(row))
-}
-
-/// A value over its interval, or a bound over the verdict.
-pub(super) fn cell(row: &Row) -> Cell {
-    match (row.value, row.interval) {
-        (Some(value), Some(ends)) => Cell { text: significant(value, 4), below: interval(ends) },
-        (Some(value), None) => significant(value, 4).into(),
-        (None, _) => {
-            // What the bound says already is left out.
-            let verdict = row.verdict.split(',').next().unwrap_or_default();
-            Cell { text: bound(row), below: verdict.to_owned() }
-        }
-    }
-}
-
-/// The upper end of the interval of a coefficient without a value.
-fn bound(row: &Row) -> String {
-    row.interval.map_or_else(|| "–".to_owned(), |[_, most]| format!("≤ {}", significant(most, 3)))
+    Section::new("coefficients", "Coefficients", table.into_iter().chain(facts))
 }
 
 /// The range of a fit, and how well it describes the curve.
@@ -250,4 +170,57 @@ fn is_shown(fit: &Fit, b: f64, samples: f64, terms: &Terms, spread: Spread) -> b
     let fit = expected(&process, samples as u64, spread, fit.tau_range[0], terms);
     let found = fit.as_ref().and_then(|fit| fit.coefficient(Term::BiasInstability));
     found.is_some_and(|found| found.verdict == Verdict::Identified)
+}
+
+/// The section on the dependence of a log on temperature, with its analyses before and after compensation.
+pub fn of_temperature(found: &Temperature, [before, after]: [&Noise; 2]) -> Section {
+    let charts = temperature::report::figures(found, [before, after]).into_iter();
+    let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
+    let coefficients = grid(&temperature::report::coefficients(found), &["intervals"]);
+    let grids = [coefficients, compensated(found, [before, after])].into_iter();
+    let grids = grids.filter(|grid| !grid.rows.is_empty()).map(Block::Grid);
+    let range = found.columns.iter().filter_map(|column| {
+        let [low, high] = column.found.as_ref().ok()?.averages.range_c.map(|end| significant(end, 4));
+        Some((&*column.name, format!("{low} to {high} °C")))
+    });
+    let range = by_name(range.collect());
+    let range = (!range.is_empty()).then(|| Block::Facts(vec![("Range", range)]));
+    let notes = temperature::report::notes(found).into_iter().map(Block::Note);
+    Section::new("temperature", "Temperature", charts.chain(grids).chain(range).chain(notes))
+}
+
+/// The coefficients of the noise before and after compensation, in the order before.
+fn compensated(found: &Temperature, sides: [&Noise; 2]) -> Grid {
+    let of_column = |place: usize| {
+        let [before, after] = sides.map(|side| side.columns[place].coefficients());
+        let value = |rows: &[Row], name: &str| {
+            let value = rows.iter().find(|row| row.name == name).and_then(|row| row.value);
+            value.map_or_else(|| "–".to_owned(), |value| significant(value, 4))
+        };
+        let name = &*sides[0].columns[place].name;
+        let rows = each_once(before.iter().chain(after)).into_iter().map(move |row| {
+            let [before, after] = [before, after].map(|rows| value(rows, row.name));
+            [name.to_owned(), row.name.to_owned(), before, after, row.symbol.to_owned()]
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let known = (0..found.columns.len()).filter(|&place| found.columns[place].found.is_ok());
+    let head = ["column", "noise", "before compensation", "after", "unit"];
+    Grid::new(head, known.flat_map(of_column))
+}
+
+/// The section on navigators with the gyros of a log, beside another answer.
+pub fn of_navigators(found: &Answer) -> Section {
+    let headline = Block::Text(format!("{}.", found.headline));
+    Section::new("navigators", "Navigators", [headline, Block::Options(found.table.clone())])
+}
+
+/// The section on the noise of a log over time.
+pub fn of_dynamic(found: &Dynamic) -> Section {
+    let said =
+        found.columns.iter().map(|column| (&*column.name, dynamic::report::sentence(column))).collect();
+    let said = by_name(said).into_iter().map(Block::Text);
+    let maps = dynamic::report::figures(found).into_iter();
+    let maps = maps.map(|(stem, map)| chart(&stem, Picture::Map(map)));
+    Section::new("dynamic", "Over time", said.chain(maps))
 }

@@ -26,17 +26,15 @@ pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::design::of_filler;
 pub use crate::analysis::page::design::of_sensitivity;
-pub use crate::analysis::page::log::of_log;
+pub use crate::analysis::page::log::{of_dynamic, of_log, of_navigators, of_temperature};
 pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::study::{PARTIAL, Results, add_sampled_facts};
-pub use crate::analysis::page::study::{of_dynamic, of_navigators, of_temperature};
 
-use crate::analysis::log::{Column, events};
+use crate::analysis::log::events;
 use crate::view::picture::Drawn;
 use sagnac_base::quantity::number::{significant, with_unit};
 use sagnac_base::table::{self, Role, Table};
 use sagnac_engine::study::Study;
-use sagnac_records::allan::Minimum;
 use sagnac_records::fit::Fit;
 use sagnac_report::chart::Picture;
 use sagnac_report::page::{Block, Cell, Grid, Section};
@@ -46,8 +44,8 @@ const DIGITS: usize = 4;
 
 /// The section on what records show besides noise.
 fn shown(heading: &'static str, rows: &[events::Row]) -> Section {
-    let grid = (!rows.is_empty()).then(|| Block::Grid(Grid::new(events::HEADING, events::list(rows))));
-    Section::new("events", heading, grid)
+    let table = (!rows.is_empty()).then(|| events::table_of(rows));
+    Section::new("events", heading, table.map(|table| Block::Grid(grid(&table, &[]))))
 }
 
 /// The text of a study, with this number of trials.
@@ -72,37 +70,51 @@ pub(crate) fn interval(ends: [f64; 2]) -> String {
 
 /// A table to read, with the ends of an interval below its value; without columns of these names, and those without values.
 pub(crate) fn grid(table: &Table, omitted: &[&str]) -> Grid {
-    let is_blank =
-        |column: &table::Column| (0..table.rows()).all(|row| column.cells[row] == table::Cell::Blank);
-    let is_shown = |column: &&table::Column| {
-        let is_end = matches!(column.role, Role::Lower | Role::Upper);
-        !is_end && !omitted.contains(&column.name.as_str()) && !is_blank(column)
-    };
-    let shown: Vec<&table::Column> = table.columns.iter().filter(is_shown).collect();
+    grid_where(table, omitted, |_| true)
+}
+
+/// A [`grid`] of some rows. A value that is not known has its upper limit instead.
+pub(crate) fn grid_where(table: &Table, omitted: &[&str], is_meant: impl Fn(usize) -> bool) -> Grid {
+    let rows: Vec<usize> = (0..table.rows()).filter(|row| is_meant(*row)).collect();
     let end = |column: &table::Column, role: Role, row: usize| {
         let end = table.columns.iter().find(|end| end.role == role && end.of == column.name)?;
         end.cells[row].number()
     };
     let cell = |column: &table::Column, row: usize| {
-        let ends = end(column, Role::Lower, row).zip(end(column, Role::Upper, row));
-        let below = ends.map(|ends| interval(ends.into())).unwrap_or_default();
-        Cell { text: column.cells[row].rounded(DIGITS), below }
+        let (low, high) = (end(column, Role::Lower, row), end(column, Role::Upper, row));
+        let is_blank = column.cells[row] == table::Cell::Blank;
+        match (low.zip(high), high) {
+            (_, Some(most)) if is_blank => format!("≤ {}", significant(most, DIGITS)).into(),
+            (Some((low, high)), _) => {
+                Cell { text: column.cells[row].rounded(DIGITS), below: interval([low, high]) }
+            }
+            _ if column.name == "unit" => symbol(&column.cells[row].text()).into(),
+            _ => column.cells[row].rounded(DIGITS).into(),
+        }
     };
-    let rows = (0..table.rows()).map(|row| shown.iter().map(|column| cell(column, row)).collect::<Vec<_>>());
-    Grid::new(shown.iter().map(|column| column.title()), rows)
+    let is_shown = |column: &&table::Column| {
+        let is_end = matches!(column.role, Role::Lower | Role::Upper);
+        let has_value = || rows.iter().any(|&row| !cell(column, row).text.is_empty());
+        !is_end && !omitted.contains(&column.name.as_str()) && has_value()
+    };
+    let shown: Vec<&table::Column> = table.columns.iter().filter(is_shown).collect();
+    let row = |&row: &usize| shown.iter().map(|column| cell(column, row)).collect::<Vec<_>>();
+    Grid::new(shown.iter().map(|column| column.title()), rows.iter().map(row))
+}
+
+/// A unit of files as people write it, such as `°/√h` for `deg/sqrt(h)`.
+fn symbol(unit: &str) -> String {
+    const SYMBOLS: [(&str, &str); 6] =
+        [("arcsec", "″"), ("deg", "°"), ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("ug", "µg"), ("^2", "²")];
+    SYMBOLS.iter().fold(unit.to_owned(), |unit, (written, symbol)| unit.replace(written, symbol))
+}
+
+/// The texts of a column of a table.
+pub(crate) fn texts(table: &Table, name: &str) -> Vec<String> {
+    table.column(name).map_or(vec![], |column| column.cells.iter().map(table::Cell::text).collect())
 }
 
 /// A value with its unit, if it has one.
 pub(crate) fn in_unit(value: f64, unit: &str) -> String {
     with_unit(value, DIGITS, unit)
-}
-
-/// The minimum of the first curve of rates, such as `0.01 °/h (0.009 … 0.012) at τ = 100 s`.
-pub(crate) fn stability(column: &Column) -> Option<String> {
-    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
-    let Minimum { point, at_end } = curve.minimum?;
-    let value = in_unit(point.value?, column.unit.symbol(curve.deviation));
-    let ends = point.interval.map(|ends| format!(" ({})", interval(ends.into()))).unwrap_or_default();
-    let end = if at_end { ", where the curve ends" } else { "" };
-    Some(format!("{value}{ends} at τ = {} s{end}", significant(point.tau_s, DIGITS)))
 }

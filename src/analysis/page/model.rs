@@ -3,11 +3,11 @@
 use crate::analysis::log::events;
 use crate::analysis::model::report::notes;
 use crate::analysis::model::state_space::discrete;
-use crate::analysis::model::target::Point;
-use crate::analysis::model::{Aim, Analysis, Column, report, tables};
-use crate::analysis::page::{chart, shown};
+use crate::analysis::model::target::Target;
+use crate::analysis::model::{Analysis, Column, report, tables};
+use crate::analysis::page::{chart, grid_where, shown, texts};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::table::titled;
+use sagnac_base::table::{Table, titled};
 use sagnac_records::allan::Deviation;
 use sagnac_report::chart::Picture;
 use sagnac_report::page::{Block, Cell, Grid, Page, Section};
@@ -17,7 +17,8 @@ pub fn of_model(analysis: &Analysis, texts: &[(&'static str, String)]) -> Page {
     let charts = report::figures(analysis).into_iter();
     let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
     let columns = || analysis.columns.iter();
-    let curves = charts.chain(columns().map(|column| curve(analysis, column)));
+    let table = tables::table(analysis);
+    let curves: Vec<Block> = charts.chain(columns().map(|column| curve(&table, column))).collect();
     let coefficients = columns().map(|column| Block::Grid(coefficients(column)));
     let at_rate = columns().flat_map(|column| matrices(analysis, column));
     let files = texts.iter().map(|(name, text)| Block::File((*name).to_owned(), text.clone()));
@@ -37,10 +38,7 @@ pub fn of_model(analysis: &Analysis, texts: &[(&'static str, String)]) -> Page {
             Section::new("discrete", "At the rate of the filter", at_rate),
             Section::new("files", "Files for tools", files),
         ],
-        tables: vec![
-            ("model.csv", tables::table(analysis)),
-            ("events.csv", events::table_of(&analysis.events())),
-        ],
+        tables: vec![("model.csv", table), ("events.csv", events::table_of(&analysis.events()))],
     }
 }
 
@@ -58,27 +56,12 @@ fn coefficients(column: &Column) -> Grid {
     Grid::new([&column.target.name, "value", "unit"], rows.chain(state))
 }
 
-/// The curve of a column beside that of its model.
-fn curve(analysis: &Analysis, Column { target, found }: &Column) -> Block {
-    let percent = |part: f64| format!("{:+.1} %", 100.0 * part);
-    let (is_bound, bound) = match analysis.request.aim {
-        Aim::Describe => (false, "upper"),
-        Aim::Bound => (true, "upper"),
-        Aim::BoundRepeat => (true, "bound"),
-    };
-    let row = |(point, bounded): (&Point, &f64)| {
-        let upper = if is_bound { *bounded } else { point.upper };
-        let model = found.model.deviation(point.tau_s);
-        let [value, end, deviation] = [point.value, upper, model].map(|value| significant(value, 4));
-        let above = [point.value, upper].map(|other| percent(model / other - 1.0));
-        let cells = [significant(point.tau_s, 5), value, end, deviation].into_iter().chain(above);
-        cells.collect::<Vec<_>>()
-    };
-    let above = format!("above {bound}");
-    let head = ["τ, s", "record", bound, "model", "above record", &above];
-    let title =
-        format!("{}: {}", target.name, titled("Allan deviation", target.unit.symbol(Deviation::Oadev)));
-    Block::More(title, Grid::new(head, target.points.iter().zip(&found.bounds).map(row)))
+/// The curve of a column beside that of its model, in the table of all columns.
+fn curve(table: &Table, column: &Column) -> Block {
+    let Target { name, unit, .. } = &column.target;
+    let names = texts(table, "column");
+    let title = format!("{name}: {}", titled("Allan deviation", unit.symbol(Deviation::Oadev)));
+    Block::More(title, grid_where(table, &["column", "unit"], |row| names[row] == *name))
 }
 
 /// F and Q of a column.

@@ -1,9 +1,8 @@
 //! The section on the spectrum of a log.
 
-use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
 use crate::analysis::page::record::by_name;
-use crate::analysis::page::{chart, in_unit, interval};
+use crate::analysis::page::{chart, grid, in_unit, interval};
 use crate::analysis::spectrum::report::{method, symbol};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, report};
 use sagnac_base::quantity::number::{probability, significant};
@@ -11,7 +10,7 @@ use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
 use sagnac_records::spectrum::{FALSE_ALARM, Line, Point};
 use sagnac_report::chart::Picture;
-use sagnac_report::page::{Block, Cell, Grid, Section};
+use sagnac_report::page::{Block, Grid, Section};
 
 /// Rows of a density per octave.
 const PER_OCTAVE: f64 = 2.0;
@@ -31,7 +30,9 @@ pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Sect
     });
     let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
     let method = by_name(methods).into_iter().map(Block::Note);
-    let blocks = why.into_iter().chain(charts).chain(method).chain(lines(analysis)).chain(white(analysis));
+    let white = report::white_noise(analysis);
+    let white = (white.rows() > 0).then(|| Block::Grid(grid(&white, &["n_verdict"])));
+    let blocks = why.into_iter().chain(charts).chain(method).chain(lines(analysis)).chain(white);
     let means = analysis.columns().map(|column| means(analysis, column));
     Section::new("spectrum", "Spectrum", blocks.chain(means))
 }
@@ -80,35 +81,4 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
         _ => format!("Noise alone shows a line in {percent} % of records."),
     };
     vec![Block::Text(said), Block::Grid(Grid::new(head, all.iter().map(row)))]
-}
-
-/// N of the floor beside N of the fit.
-fn white(analysis: &Analysis) -> Option<Block> {
-    let cell = |row: &Option<Row>| match row {
-        Some(Row { value: Some(value), interval: ends, symbol, .. }) => {
-            Cell { text: in_unit(*value, symbol), below: ends.map(interval).unwrap_or_default() }
-        }
-        _ => "–".into(),
-    };
-    let row = |(column, Spectrum { white, .. }): (&Column, &Spectrum)| {
-        let range = white.floor.as_ref().map_or_else(String::new, |floor| {
-            let [from, to] = floor.range_hz.map(|end| significant(end, 3));
-            format!("{from} … {to}")
-        });
-        let others = white
-            .model
-            .map_or_else(String::new, |[_, others]| format!("{} %", significant(100.0 * others, 2)));
-        [
-            column.name.as_str().into(),
-            cell(&white.from_floor),
-            cell(&white.from_fit),
-            range.into(),
-            others.into(),
-            white.verdict().into(),
-        ]
-    };
-    let head =
-        ["white noise of", "N of the floor", "N of the fit", "flat range, Hz", "other terms there", "status"];
-    let grid = Grid::new(head, analysis.columns().map(row));
-    (!grid.rows.is_empty()).then_some(Block::Grid(grid))
 }

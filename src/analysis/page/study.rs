@@ -1,14 +1,9 @@
-//! The page of a study, with the sections that only some have.
+//! The page of a study.
 
+use crate::analysis::agreement;
 use crate::analysis::answer::{facts, of_study};
 use crate::analysis::decision::{DecisionError, decide, judge};
-use crate::analysis::dynamic::{Dynamic, report};
-use crate::analysis::log::Analysis;
-use crate::analysis::page::record::by_name;
-use crate::analysis::page::{chart, interval, study_file};
-use crate::analysis::temperature::Temperature;
-use crate::analysis::temperature::report::{Row, notes, rows};
-use crate::analysis::{agreement, data_sheet, dynamic, temperature};
+use crate::analysis::page::study_file;
 use crate::view::picture::{Drawn, incomplete, pictures, shown};
 use crate::view::stack::Shown;
 use sagnac_base::progress::Progress;
@@ -20,8 +15,7 @@ use sagnac_engine::store::error::StoreError;
 use sagnac_engine::store::{Provenance, Store};
 use sagnac_engine::study::{Input, Study};
 use sagnac_report::answer::Answer;
-use sagnac_report::chart::Picture;
-use sagnac_report::page::{Block, Grid, Page, Section};
+use sagnac_report::page::{Block, Page, Section};
 use sha2::{Digest, Sha256};
 
 /// Most bytes of a file that a page shows.
@@ -221,66 +215,6 @@ fn grouped(count: u64) -> String {
     let figures = count.to_string();
     let groups: Vec<_> = figures.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
     groups.join("\u{202f}")
-}
-
-/// The section on the dependence of a log on temperature, with its analyses before and after compensation.
-pub fn of_temperature(found: &Temperature, [before, after]: [&Analysis; 2]) -> Section {
-    let charts = temperature::report::figures(found, [before, after]).into_iter();
-    let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
-    let row = |(column, row): (&str, Row)| {
-        let interval = row.interval.map(interval).unwrap_or_default();
-        let value = row.value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
-        let [_, unit] = row.unit;
-        [column.to_owned(), row.name.to_owned(), value, interval, unit, row.verdict]
-    };
-    let of_column = |column| rows(column).into_iter().map(move |row| (&*column.name, row));
-    let rows = found.columns.iter().flat_map(of_column).map(row);
-    let head = ["column", "coefficient", "value", "95 % interval", "unit", "status"];
-    let grids = [Grid::new(head, rows), compensated(found, [before, after])].into_iter();
-    let grids = grids.filter(|grid| !grid.rows.is_empty()).map(Block::Grid);
-    let range = found.columns.iter().filter_map(|column| {
-        let [low, high] = column.found.as_ref().ok()?.averages.range_c.map(|end| significant(end, 4));
-        Some((&*column.name, format!("{low} to {high} °C")))
-    });
-    let range = by_name(range.collect());
-    let range = (!range.is_empty()).then(|| Block::Facts(vec![("Range", range)]));
-    let notes = notes(found).into_iter().map(Block::Note);
-    Section::new("temperature", "Temperature", charts.chain(grids).chain(range).chain(notes))
-}
-
-/// The coefficients of the noise before and after compensation, in the order before.
-fn compensated(found: &Temperature, sides: [&Analysis; 2]) -> Grid {
-    let of_column = |place: usize| {
-        let [before, after] = sides.map(|side| side.columns[place].coefficients());
-        let value = |rows: &[data_sheet::Row], name: &str| {
-            let value = rows.iter().find(|row| row.name == name).and_then(|row| row.value);
-            value.map_or_else(|| "–".to_owned(), |value| significant(value, 4))
-        };
-        let name = &*sides[0].columns[place].name;
-        let rows = data_sheet::each_once(before.iter().chain(after)).into_iter().map(move |row| {
-            let [before, after] = [before, after].map(|rows| value(rows, row.name));
-            [name.to_owned(), row.name.to_owned(), before, after, row.symbol.to_owned()]
-        });
-        rows.collect::<Vec<_>>()
-    };
-    let known = (0..found.columns.len()).filter(|&place| found.columns[place].found.is_ok());
-    let head = ["column", "noise", "before compensation", "after", "unit"];
-    Grid::new(head, known.flat_map(of_column))
-}
-
-/// The section on navigators with the gyros of a log, beside another answer.
-pub fn of_navigators(found: &Answer) -> Section {
-    let headline = Block::Text(format!("{}.", found.headline));
-    Section::new("navigators", "Navigators", [headline, Block::Options(found.table.clone())])
-}
-
-/// The section on the noise of a log over time.
-pub fn of_dynamic(found: &Dynamic) -> Section {
-    let said = found.columns.iter().map(|column| (&*column.name, report::sentence(column))).collect();
-    let said = by_name(said).into_iter().map(Block::Text);
-    let maps = dynamic::report::figures(found).into_iter();
-    let maps = maps.map(|(stem, map)| chart(&stem, Picture::Map(map)));
-    Section::new("dynamic", "Over time", said.chain(maps))
 }
 
 #[cfg(test)]

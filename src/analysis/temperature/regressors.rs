@@ -152,22 +152,20 @@ names! {
 }
 
 impl Effect {
-    /// Unit of the coefficient in files, and for the user, for a curve in `unit`.
-    pub fn unit(self, unit: Unit) -> [String; 2] {
+    /// Unit of the coefficient in files, for a curve in `unit`.
+    pub fn unit(self, unit: Unit) -> String {
         let per = match self {
-            Effect::Temperature => ["/K", "/K"],
-            Effect::Square => ["/K^2", "/K²"],
-            Effect::Change => ["/(K/min)", "/(K/min)"],
-            Effect::WarmUp => ["", ""],
-            Effect::Aging => ["/day", "/day"],
+            Effect::Temperature => "/K",
+            Effect::Square => "/K^2",
+            Effect::Change => "/(K/min)",
+            Effect::WarmUp => "",
+            Effect::Aging => "/day",
         };
-        let of = |rate: &str, per: &str| match (rate, per) {
+        match (unit.in_files(Deviation::Oadev), per) {
             ("", "") => String::new(),
             ("", per) => format!("1{per}"),
-            _ => format!("{rate}{per}"),
-        };
-        let deviation = Deviation::Oadev;
-        [of(unit.in_files(deviation), per[0]), of(unit.symbol(deviation), per[1])]
+            (rate, per) => format!("{rate}{per}"),
+        }
     }
 
     /// Its name in a sentence.

@@ -27,8 +27,8 @@ pub struct Row {
     pub value: Option<f64>,
     /// 95 % interval.
     pub interval: Option<[f64; 2]>,
-    /// Unit in files, and for the user.
-    pub unit: [String; 2],
+    /// Unit in files.
+    pub unit: String,
     /// How well it is known.
     pub verdict: String,
     /// Source of the interval.
@@ -48,7 +48,7 @@ pub fn rows(column: &Column) -> Vec<Row> {
         intervals: "",
     };
     let start = [
-        row("reference_temperature", Some(found.averages.reference_c), ["degC", "°C"].map(str::to_owned), ""),
+        row("reference_temperature", Some(found.averages.reference_c), "degC".to_owned(), ""),
         row(
             "offset",
             Some(model.offset),
@@ -67,7 +67,7 @@ pub fn rows(column: &Column) -> Vec<Row> {
     let time = model.warm_up_s.map(|(value, interval)| Row {
         interval,
         intervals: "profile of the likelihood",
-        ..row("warm-up_time", Some(value), ["s"; 2].map(str::to_owned), "")
+        ..row("warm-up_time", Some(value), "s".to_owned(), "")
     });
     start.into_iter().chain(model.findings.iter().map(of)).chain(time).collect()
 }
@@ -112,7 +112,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
             .is_of("value", Role::Lower, "Lower end of the 95 % interval; if `value` is blank, of the coefficient if it were part of the model."),
         Of::new("upper", Unit::NONE, "upper", |CoefficientRow(_, row)| row.interval.map(|ends| ends[1]).into())
             .is_of("value", Role::Upper, "Upper end of the 95 % interval, likewise."),
-        Of::new("unit", Unit::NONE, "unit", |CoefficientRow(_, row)| text(&row.unit[0]))
+        Of::new("unit", Unit::NONE, "unit", |CoefficientRow(_, row)| text(&row.unit))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
         Of::new("status", Unit::NONE, "status", |CoefficientRow(_, row)| text(&row.verdict))
             .is(Role::Note, "How well the record determines the coefficient, in words."),
