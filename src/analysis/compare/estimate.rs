@@ -118,7 +118,7 @@ fn least(low: f64, high: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
 /// Largest relative difference between two averaging times that count as one.
 pub const NEAREST: f64 = 0.02;
 /// Relative difference below which averaging times are the same, given the agreement of clocks.
-const SAME: f64 = 1e-4;
+pub(crate) const SAME: f64 = 1e-4;
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
 

@@ -10,6 +10,7 @@ use sagnac_report::chart::figure::{self, Axis, Figure, Grouping, Mark, Parts, Se
 use sagnac_theory::allan::terms::Shape;
 use sagnac_theory::allan::{Part, Process, Term};
 
+use crate::analysis::compare::estimate::SAME;
 use crate::analysis::log::events::are_left_out;
 use crate::analysis::log::report::{heading, least, least_or_bound};
 use crate::analysis::log::{Analysis, Column, Curve};
@@ -179,8 +180,11 @@ fn marks(
     terms.iter().filter_map(coefficient).chain(minimum).collect()
 }
 
-/// The value of a line at x, where it is known.
+/// The value of a line at x, where it is known. A place that differs from an end by the rate of a clock alone is that end.
 pub(crate) fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
+    let [first, last] = [line.first()?.0, line.last()?.0];
+    let is_at = |end: f64| (x / end - 1.0).abs() < SAME;
+    let x = if is_at(first) || is_at(last) { x.clamp(first, last) } else { x };
     let after = line.partition_point(|place| place.0 < x * (1.0 - 1e-9));
     let (to, value) = *line.get(after)?;
     if (to / x - 1.0).abs() < 1e-9 {
@@ -283,4 +287,17 @@ fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
         None => format!("{} = {value}", part.term.symbol()),
     };
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_known_up_to_an_end_that_another_clock_puts_elsewhere() {
+        let line = [(1.0, 4.0), (4.0, 2.0)];
+        assert_eq!([0.999_99, 1.0, 4.0, 4.000_04].map(|x| along(&line, x)), [4.0, 4.0, 2.0, 2.0].map(Some));
+        assert_eq!([0.99, 4.1].map(|x| along(&line, x)), [None; 2]);
+        assert!(along(&line, 2.0).is_some_and(|value| (2.0..4.0).contains(&value)));
+    }
 }
