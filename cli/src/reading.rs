@@ -8,7 +8,7 @@ use crate::reading;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::angles::Trend;
-use sagnac::analysis::log::Treatment;
+use sagnac::analysis::log::{ENDINGS, Treatment};
 use sagnac::analysis::temperature::Temperature;
 use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::diagnostics::StudyError;
@@ -282,10 +282,6 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Endings of the names of recorded logs, in lower case.
-const LOGS: [&str; 15] =
-    ["csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw"];
-
 /// The ending of the name of a file, in lower case.
 fn ending(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
@@ -296,7 +292,7 @@ fn ending(path: &Path) -> String {
 /// # Errors
 /// The file is a recorded log by its name, cannot be read, or is no valid study.
 pub fn study(path: &Path) -> Result<Study, Failure> {
-    if LOGS.contains(&ending(path).as_str()) {
+    if ENDINGS.contains(&ending(path).as_str()) {
         let path = path.display();
         let message = format!("{path} is a log, not a study\nanalyze it with `sagnac allan {path}`");
         return Err(Failure::Usage(message));

@@ -39,6 +39,10 @@ use sagnac_theory::allan::{Process, Term};
 /// Number of simulated samples from which on the simulation is announced.
 const LONG: usize = 1_000_000_000;
 
+/// Endings of the names of recorded logs, in lower case.
+pub const ENDINGS: [&str; 15] =
+    ["csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw"];
+
 /// The request for an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseRequest {
