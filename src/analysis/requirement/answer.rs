@@ -1,9 +1,10 @@
 //! The answer of records: what they show of their noise, and whether that meets limits.
 
 use crate::analysis::data_sheet::Row;
-use crate::analysis::requirement::check::{Judged, Judgement, Shown, Standing, columns, to_decide, to_meet};
+use crate::analysis::requirement::check::{
+    Judged, Judgement, Shown, Standing, Subject, columns, to_decide, to_meet,
+};
 use crate::analysis::requirement::limit::{Limit, Limited};
-use crate::analysis::requirement::log_under_test::Subject;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::Table;
 use sagnac_base::table::column::columns_of;
@@ -85,13 +86,7 @@ fn name(row: &Row) -> &'static str {
 
 /// What the record shows of a coefficient, in a word or two.
 fn state(row: &Row) -> &'static str {
-    match row.verdict.split(',').next().unwrap_or_default() {
-        "estimated" => "estimated",
-        "not detected" => "not detected",
-        "not estimable" => "not estimable",
-        "model rejected" => "model rejected",
-        other => other,
-    }
+    row.verdict.split(',').next().unwrap_or_default()
 }
 
 /// A value, or its upper limit.
@@ -301,7 +296,7 @@ impl<'a> Panel<'a> {
             _ => None,
         });
         let unknown = self.judged.iter().filter_map(|one| {
-            let why = one.shown.as_ref().err()?.told(one.of());
+            let why = one.shown.as_ref().err()?;
             Some(format!("{}{why}", self.whose(one.subject)))
         });
         let failed = self.subjects.iter().filter_map(|subject| {

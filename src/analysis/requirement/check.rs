@@ -1,15 +1,95 @@
-//! Checks of limits: the status of each, and what would meet it.
+//! Checks of limits: what a record shows, the status of each limit, and what would meet it.
 
 use crate::analysis::compare::answer::duration;
 use crate::analysis::compare::power_analysis::expected;
-use crate::analysis::data_sheet::Row;
-use crate::analysis::log::report::text;
+use crate::analysis::data_sheet::{DataSheet, Row};
+use crate::analysis::log::report::{least_or_bound, text};
+use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::{Limit, Limited};
-use crate::analysis::requirement::log_under_test::{Gap, Subject};
 use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit};
-use sagnac_records::fit::{Quantity, Term, Terms};
+use sagnac_records::allan::{Spread, Unit as Curves};
+use sagnac_records::fit::{Fit, Quantity, Term, Terms};
 use sagnac_report::answer::{Alternative, Fact, Reading};
+
+/// A record that is checked against limits: a column of a log, or a unit of a batch.
+#[derive(Debug, Clone)]
+pub struct Subject<'a> {
+    /// What it is called.
+    pub label: &'a str,
+    /// Unit of its curves.
+    pub unit: Curves,
+    /// Its coefficients; absent where none were requested, or why there are none.
+    pub noise: Result<Option<&'a DataSheet>, &'a str>,
+    /// The minimum of its curve up to an eighth of the record; without a value where the curve still falls there.
+    pub stability: Option<Row>,
+    /// Averaging time of that minimum, s.
+    pub stability_tau_s: Option<f64>,
+    /// N of the flat part of its density.
+    pub floor: Option<&'a Row>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Time from sample to sample, s.
+    pub step_s: f64,
+    /// Deviations of its estimates beyond those of Gaussian noise.
+    pub spread: &'a Spread,
+}
+
+impl<'a> Subject<'a> {
+    /// A column of a log, with N of its density where that is flat.
+    pub(crate) fn of_column(log: &log::Analysis, column: &'a Column, floor: Option<&'a Row>) -> Subject<'a> {
+        let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
+        let stability =
+            curve.and_then(|curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples));
+        let minimum = curve.and_then(|curve| curve.minimum).map(|minimum| minimum.point);
+        // That of the whole curve may lie beyond an eighth of the record.
+        let minimum = minimum.filter(|point| stability.as_ref().is_some_and(|row| row.value == point.value));
+        Subject {
+            label: &column.name,
+            unit: column.unit,
+            noise: column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
+            stability,
+            stability_tau_s: minimum.map(|point| point.tau_s),
+            floor,
+            samples: log.samples,
+            step_s: log.step_s,
+            spread: &column.spread,
+        }
+    }
+
+    /// Length of the record, s.
+    pub(crate) fn length_s(&self) -> f64 {
+        self.samples as f64 * self.step_s
+    }
+
+    /// The fit, where it describes a range of the curve.
+    pub(crate) fn fit(&self) -> Option<&'a Fit> {
+        self.noise.ok().flatten().map(|sheet| &sheet.fit).filter(|fit| fit.is_described())
+    }
+
+    /// What the record shows of this: a row with an interval; or why it says nothing of it.
+    pub(crate) fn shown(&self, of: Limited) -> Result<&Row, String> {
+        let name = of.told();
+        let row = match of {
+            Limited::Coefficient(term) => {
+                let sheet = self.noise.map_err(|why| format!("there are no coefficients: {why}"))?;
+                let sheet = sheet.ok_or("no coefficients were fitted")?;
+                self.fit().ok_or_else(|| {
+                    format!("the fit describes no range of τ and says nothing about {name}")
+                })?;
+                let row = sheet.rows.iter().find(|row| row.name == term.symbol());
+                Some(row.ok_or_else(|| format!("the fit does not contain {name}"))?)
+            }
+            Limited::Stability => self.stability.as_ref(),
+            Limited::Floor => self.floor,
+        };
+        row.filter(|row| row.interval.is_some()).ok_or_else(|| match of {
+            Limited::Coefficient(_) => format!("the record gives neither a value nor a bound of {name}"),
+            Limited::Stability => "no curve has a minimum with an interval".to_owned(),
+            Limited::Floor => "no octave of the density is flat".to_owned(),
+        })
+    }
+}
 
 /// How an interval lies to its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -94,7 +174,7 @@ pub(crate) struct Judged<'a> {
     pub(crate) subject: &'a Subject<'a>,
     pub(crate) limit: &'a Limit,
     /// What the record shows, in the unit of tables.
-    pub(crate) shown: Result<Shown, Gap>,
+    pub(crate) shown: Result<Shown, String>,
 }
 
 /// A value, absent of a bound, and the ends of its interval.
@@ -106,10 +186,9 @@ pub(crate) struct Shown {
 
 impl<'a> Judged<'a> {
     pub(crate) fn new(subject: &'a Subject<'a>, limit: &'a Limit) -> Judged<'a> {
-        let shown = subject.shown(limit.of).and_then(|row| {
-            let ends = row.interval.ok_or(Gap::NoBound)?;
-            Ok(Shown { value: row.value, ends })
-        });
+        let shown = subject
+            .shown(limit.of)
+            .map(|row| Shown { value: row.value, ends: row.interval.unwrap_or([0.0, f64::INFINITY]) });
         Judged { subject, limit, shown }
     }
 
@@ -248,7 +327,7 @@ pub(super) fn to_decide(judged: &Judged, value: f64, [low, high]: [f64; 2]) -> O
 
 /// Whether the interval of the mean curve of records that are so many times as long does not contain the limit.
 fn decides(subject: &Subject, term: Term, limit: f64, judged: &Judged, times: f64) -> bool {
-    let Ok(fit) = subject.fit() else { return false };
+    let Some(fit) = subject.fit() else { return false };
     let terms = Terms::Auto(fit.coefficients.iter().map(|found| found.term).collect());
     let samples = (times * subject.samples as f64) as u64;
     let longer = expected(&fit.process, samples, subject.spread.over(times), fit.tau_range[0], &terms);

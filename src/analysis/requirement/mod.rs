@@ -13,12 +13,10 @@
 mod answer;
 mod check;
 mod limit;
-mod log_under_test;
 
 pub use crate::analysis::requirement::answer::{Decision, decide};
-pub use crate::analysis::requirement::check::{Judgement, Standing};
+pub use crate::analysis::requirement::check::{Judgement, Standing, Subject};
 pub use crate::analysis::requirement::limit::{Limit, LimitError, Limited, applies, check};
-pub use crate::analysis::requirement::log_under_test::Subject;
 
 pub(crate) use crate::analysis::requirement::answer::{status, value_or_bound};
 pub(crate) use crate::analysis::requirement::check::columns;
