@@ -1,5 +1,6 @@
-//! The page of two logs that are compared.
+//! The pages of two logs that are compared, and of a batch.
 
+use crate::analysis::batch::{self, Batch, Coefficient, Found};
 use crate::analysis::compare::answer::notes;
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::report;
@@ -12,7 +13,7 @@ use sagnac_records::allan::Deviation;
 use sagnac_records::record::log::Log;
 use sagnac_report::answer::reading::capitalized;
 use sagnac_report::chart::Picture;
-use sagnac_report::page::{Block, Page, Section};
+use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 
 /// The page of two logs from their comparison and the decision to which it leads.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
@@ -76,4 +77,52 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
         ("Outliers", of(&|_, record| outliers(record.outliers, |sample| record.time(sample as f64)))),
     ]));
     blocks
+}
+
+/// The page of a batch of units with the decision to which it leads.
+pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {
+    let curves = [chart("chart-1", Picture::Curves(batch::report::curves(batch)))];
+    let coefficients =
+        batch::report::coefficients(batch).map(|figure| chart("chart-2", Picture::Curves(figure)));
+    let values = batch::report::batch(batch);
+    let tables = [units(batch), grid(&values, &["bounded", "missing"])].map(Block::Grid);
+    Page {
+        title: format!("A batch of {} units", batch.labels.len()),
+        scope: String::new(),
+        subtitle: format!("How even are these units? {}", capitalized(&batch::report::subtitle(batch))),
+        answer: decision.answer.clone(),
+        notes: batch::report::notes(batch),
+        sections: vec![
+            Section::new("coefficients", "Coefficients", coefficients.into_iter().chain(tables)),
+            Section::new("deviations", "Deviations", curves),
+        ],
+        tables: [
+            ("batch.csv", values),
+            ("units.csv", batch::report::units(batch)),
+            ("records.csv", batch::report::records(batch)),
+        ]
+        .into_iter()
+        .chain(decision.file())
+        .collect(),
+    }
+}
+
+/// The coefficients that a unit shows.
+fn estimated(batch: &Batch) -> impl Iterator<Item = &Coefficient> {
+    batch.coefficients.iter().filter(|one| !one.estimates().is_empty())
+}
+
+/// The coefficients of all units, a row for each unit; outliers have a star.
+fn units(batch: &Batch) -> Grid {
+    let of = |found: &Found| {
+        let star = if found.outlier.is_some() { "*" } else { "" };
+        let ends = found.row.reading().and_then(|reading| reading.ends_text());
+        Cell { text: format!("{star}{}", found.row.cell().text), below: ends.unwrap_or_default() }
+    };
+    let row = |(unit, label): (usize, &String)| {
+        let cells = estimated(batch).map(|one| one.found[unit].as_ref().map_or_else(Cell::default, of));
+        std::iter::once(label.as_str().into()).chain(cells).collect::<Vec<_>>()
+    };
+    let titles = estimated(batch).map(Coefficient::title);
+    Grid::new(std::iter::once("unit".to_owned()).chain(titles), batch.labels.iter().enumerate().map(row))
 }

@@ -12,7 +12,6 @@
 //! store and tables of a study ─ Results ──────────── page ─▶ Page
 //! ```
 
-mod batch;
 mod comparison;
 mod design;
 mod log;
@@ -21,8 +20,7 @@ mod record;
 mod spectrum;
 mod study;
 
-pub use crate::analysis::page::batch::of_batch;
-pub use crate::analysis::page::comparison::of_comparison;
+pub use crate::analysis::page::comparison::{of_batch, of_comparison};
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::design::of_filler;
 pub use crate::analysis::page::design::of_sensitivity;
