@@ -31,14 +31,7 @@ pub(super) fn outline_of_detection(question: &Question, x: &Column) -> Outline {
                 told.get_or_insert((choice.long.clone(), place, is_more(b)));
                 let label = Reading::new(x, place, None).text();
                 let text = format!("{} {label}", if is_more(b) { "≥" } else { "≤" });
-                marks.push(Named {
-                    rows: rows.clone(),
-                    x: place,
-                    y: Some(HALF),
-                    shape: Shape::Crossing,
-                    label,
-                    range: None,
-                });
+                marks.push(Named { y: Some(HALF), ..Named::at(&rows, place, Shape::Crossing, label) });
                 text
             }
             _ if rows.is_empty() || is_absent(question.table, &rows) => "not in this noise".to_owned(),
@@ -72,7 +65,7 @@ pub(super) fn outline_of_detection(question: &Question, x: &Column) -> Outline {
             (headline("", &format!("half of the records show {names}")), None)
         }
     };
-    Outline { kind: Kind::Threshold, headline, value, table, marks, met: None }
+    Outline { kind: Kind::Threshold, headline, value, table, marks, ..Outline::default() }
 }
 
 /// Most words of a name with labels in a headline.
@@ -105,13 +98,8 @@ pub(super) fn outline_of_minimum(question: &Question, x: &Column) -> Outline {
         Line { name: name.clone(), is_usable: *is_usable, cells }
     };
     let lines = found.iter().map(line).collect();
-    let mark = |(.., row, rows): &(String, String, bool, usize, &[usize])| Named {
-        rows: rows.to_vec(),
-        x: x.value(*row),
-        y: None,
-        shape: Shape::Extremum,
-        label: question.reading(*row).text(),
-        range: None,
+    let mark = |(.., row, rows): &(String, String, bool, usize, &[usize])| {
+        Named::at(rows, x.value(*row), Shape::Extremum, question.reading(*row).text())
     };
     let marks = found.iter().take(MAX_ROWS).map(mark).collect();
     let labels = question.options.iter().chain(&question.conditions).map(|column| column.label.as_str());
@@ -135,7 +123,8 @@ pub(super) fn outline_of_minimum(question: &Question, x: &Column) -> Outline {
         }
         None => (String::new(), None),
     };
-    Outline { kind: Kind::Choice, headline, value, table: table(columns, lines), marks, met: None }
+    let table = table(columns, lines);
+    Outline { kind: Kind::Choice, headline, value, table, marks, ..Outline::default() }
 }
 
 /// The peaks of curves of which each has some; `None` for others.
@@ -157,7 +146,7 @@ pub(super) fn outline_of_peaks(question: &Question, x: &Column) -> Option<Outlin
         let cells = peaks.iter().map(|&row| AnswerCell::from(Reading::new(x, x.value(row), None)));
         marks.extend(peaks.iter().map(|&row| {
             let label = Reading::new(x, x.value(row), None).text();
-            Named { rows: rows.clone(), x: x.value(row), y: None, shape: Shape::Extremum, label, range: None }
+            Named::at(&rows, x.value(row), Shape::Extremum, label)
         }));
         lines.push(Line { name: choice.name, is_usable: true, cells: cells.collect() });
     }
@@ -174,6 +163,6 @@ pub(super) fn outline_of_peaks(question: &Question, x: &Column) -> Option<Outlin
         value: Some(value),
         table: table(columns, lines),
         marks,
-        met: None,
+        ..Outline::default()
     })
 }

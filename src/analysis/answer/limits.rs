@@ -112,7 +112,7 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
     let counted = if is_chosen { &extents[best..=best] } else { &extents[..] };
     let of = |count: fn(&Extent) -> usize| counted.iter().flatten().map(count).sum();
     let met = Some([of(|extent| extent.within), of(|extent| extent.known)]);
-    Outline { kind: Kind::Threshold, headline, value, table, marks, met }
+    Outline { kind: Kind::Threshold, headline, value, table, marks, met, row: None }
 }
 
 fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Extent {
@@ -167,14 +167,7 @@ fn interval(
 
 /// The ends of the windows that a cell names, as marks; the first of two has the label of both.
 fn ends(x: &Column, rows: &[usize], windows: &[Window]) -> Vec<Named> {
-    let mark = |x: f64, label: String| Named {
-        rows: rows.to_vec(),
-        x,
-        y: None,
-        shape: Shape::Crossing,
-        label,
-        range: None,
-    };
+    let mark = |x: f64, label: String| Named::at(rows, x, Shape::Crossing, label);
     let of_window = |window: &Window| match *window {
         [None, None] => vec![],
         [None, Some(end)] | [Some(end), None] => vec![mark(end, Reading::new(x, end, None).text())],
@@ -283,7 +276,7 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         }
         _ => (headline("", &format!("{} has the least {} most often", shown.last()?.1, map.z.label)), None),
     };
-    Some(Outline { kind: Kind::Map, headline, value, table, marks: vec![], met: met(map) })
+    Some(Outline { kind: Kind::Map, headline, value, table, met: met(map), ..Outline::default() })
 }
 
 /// The cells whose winner is within the limit, and all with a winner.
@@ -319,7 +312,7 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]
         .map(|(axis, at)| valued(axis, at));
     let headline = headline("", &format!("{}: at most {} at {}", map.z.label, value.text(), at.join(", ")));
-    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, marks: vec![], met: met(map) })
+    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, met: met(map), ..Outline::default() })
 }
 
 /// The part of a label that names it in few words.

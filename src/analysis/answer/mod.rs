@@ -12,7 +12,7 @@ use crate::analysis::decision::Sheet;
 use crate::analysis::role::{Bandless, apart, is_given, less_is_better};
 use crate::view::from_table::axis_unit;
 use crate::view::picture::{Drawn, refused};
-use crate::view::stack::Shown;
+use crate::view::stack::{CURVE, Shown};
 use sagnac_base::diagnostics::{StudyError, listed};
 use sagnac_base::table::{
     Cell, Column, ColumnError, Role, Table, Usual, between, crossing_fraction, grouped, worded,
@@ -59,6 +59,7 @@ pub(super) struct Choice {
 }
 
 /// An answer without facts and checks.
+#[derive(Default)]
 pub(super) struct Outline {
     pub(super) kind: Kind,
     pub(super) headline: String,
@@ -68,6 +69,8 @@ pub(super) struct Outline {
     pub(super) marks: Vec<Named>,
     /// Points within the limit, and all of them, where that is what the answer is about.
     pub(super) met: Option<[usize; 2]>,
+    /// The row of the headline's value, where it is that of a row.
+    pub(super) row: Option<usize>,
 }
 
 /// A place on a curve that an answer names.
@@ -81,6 +84,13 @@ pub(super) struct Named {
     pub(super) label: String,
     /// Values of x around it that are as good.
     pub(super) range: Option<[f64; 2]>,
+}
+
+impl Named {
+    /// A place on a curve of some rows.
+    pub(super) fn at(rows: &[usize], x: f64, shape: Shape, label: String) -> Named {
+        Named { rows: rows.to_vec(), x, y: None, shape, label, range: None }
+    }
 }
 
 /// A row of the table before equal ones are joined.
@@ -120,8 +130,8 @@ pub(crate) fn of_study(
         Some(((chart, curves), (at, drawn))) if !curves.is_supplied(chart) || chart.limit.is_some() => {
             let outline = match &drawn.picture {
                 Picture::Map(found) => limits::of_map(found),
-                Picture::Curves(_) => {
-                    let (outline, found) = Question::answered(study, chart, curves)?;
+                Picture::Curves(figure) => {
+                    let (outline, found) = Question::answered(study, chart, curves, &figure.x.names)?;
                     marks.push((at, found));
                     outline
                 }
@@ -130,7 +140,14 @@ pub(crate) fn of_study(
         }
         _ => {
             let question = Question::of_points(study, &tables.points, decided);
-            (question.and_then(|question| question.outline(study)), None)
+            let outline = question.as_ref().and_then(|question| question.outline(study));
+            if let (Some(((chart, _), (at, drawn))), Some(question), Some(outline)) =
+                (asked, question, &outline)
+                && let Picture::Curves(figure) = &drawn.picture
+            {
+                marks.push((at, question.marks(chart, outline, &figure.x.names)));
+            }
+            (outline, None)
         }
     };
     let continued = charts().filter(|((chart, _), drawn)| chart.limit.is_some() && has_curves(drawn));
@@ -139,21 +156,14 @@ pub(crate) fn of_study(
         && line[0].text.is_empty()
     {
         let found = continued.map(|((chart, curves), (at, _))| {
-            let (outline, found) = Question::answered(study, chart, curves)?;
+            let (outline, found) = Question::answered(study, chart, curves, &[])?;
             marks.push((at, found));
             Ok((chart, curves, outline))
         });
         outline.continue_with(&found.collect::<Result<Vec<_>, StudyError>>()?);
     }
     let limit = limit.or(decided.and_then(|sheet| sheet.limit));
-    let outline = outline.unwrap_or(Outline {
-        kind: Kind::Estimate,
-        headline: String::new(),
-        value: None,
-        table: AnswerTable::default(),
-        marks: vec![],
-        met: None,
-    });
+    let outline = outline.unwrap_or_default();
     for (at, marks) in marks {
         if let Picture::Curves(figure) = &mut drawn[at].picture {
             figure.marks = marks;
@@ -280,25 +290,39 @@ impl<'t> Question<'t> {
         Ok(Question { axis: table.column(&chart.x.name).ok(), ..question })
     }
 
-    /// The answer of a chart of curves, and what it names as marks.
+    /// The answer of a chart of curves, and what it names as marks; the chart may have names on its abscissa.
     fn answered(
         study: &Study,
         chart: &Chart,
         curves: &Shown,
+        names: &[String],
     ) -> Result<(Option<Outline>, Vec<Mark>), StudyError> {
         let question =
             Question::of_chart(study, chart, curves).map_err(|error| refused(study, chart, &error.into()))?;
         let outline = question.outline(study);
-        let marks = outline.as_ref().map_or(vec![], |outline| question.marks(chart, &outline.marks));
+        let marks = outline.as_ref().map_or(vec![], |outline| question.marks(chart, outline, names));
         Ok((outline, marks))
     }
 
-    /// The places that an answer names, in the units of the axes, each once.
-    fn marks(&self, chart: &Chart, named: &[Named]) -> Vec<Mark> {
+    /// The places that an answer names, in the units of the axes, each once; on an axis with names, the row of the headline.
+    fn marks(&self, chart: &Chart, outline: &Outline, names: &[String]) -> Vec<Mark> {
+        let up = axis_unit(self.y, chart.y_scale).0;
+        if !names.is_empty() {
+            let mark = |row: usize| {
+                let x = self.table.column(&chart.x.name).ok()?;
+                let place = names.iter().position(|name| *name == x.cells[row].text())?;
+                let place = (1.0 + place as f64, up * self.y.value(row));
+                let label = self.reading(row).text();
+                Some(Mark { shape: Shape::Extremum, place, range: None, label })
+            };
+            let is_y = |name: &str| self.table.column(name).is_ok_and(|column| column.name == self.y.name);
+            let is_shown = chart.columns().any(|column| is_y(&column.name));
+            return outline.row.filter(|_| is_shown).and_then(mark).into_iter().collect();
+        }
         let Some(axis) = self.axis else { return vec![] };
-        let [across, up] = [axis_unit(axis, chart.x_scale).0, axis_unit(self.y, chart.y_scale).0];
+        let across = axis_unit(axis, chart.x_scale).0;
         let mut marks: Vec<Mark> = vec![];
-        for Named { rows, x, y, shape, label, range } in named {
+        for Named { rows, x, y, shape, label, range } in &outline.marks {
             let place = |x: f64| self.place(rows, x).map(|(x, y)| (across * x, up * y));
             let Some((across_x, up_y)) = place(*x) else { continue };
             let place_of_mark = (across_x, y.map_or(up_y, |y| up * y));
@@ -472,6 +496,14 @@ impl<'t> Question<'t> {
             true => Reading::new(self.y, self.size(row), self.y.interval_of_magnitude(row)),
             false => Reading::of_row(self.y, row),
         }
+    }
+
+    /// The least value that the estimate of a row leaves, where there is one.
+    pub(super) fn least_beside(&self, row: usize) -> Option<Reading> {
+        let least = self.table.beside(self.y, Role::Least)?;
+        // Of several columns below one another, it is that of the first.
+        let is_first = |curve: &Column| curve.cells[row] == curve.cells[0];
+        self.table.column(CURVE).ok().is_none_or(is_first).then(|| Reading::of_row(least, row))
     }
 
     /// The row with the largest size among some.

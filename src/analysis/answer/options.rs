@@ -74,30 +74,28 @@ pub(super) fn outline_of_values(question: &Question) -> Outline {
     columns.extend(
         question.limit.filter(|_| single.is_none() || question.x.is_none()).map(|_| "limit".to_owned()),
     );
-    let told = told(question, &choices, is_error);
-    let (headline, value, kind) = told.unwrap_or_else(|| (String::new(), None, Kind::Estimate));
+    let mut outline = headed(question, &choices, is_error).unwrap_or_default();
+    let kind = outline.kind;
     let mut table = table(columns, lines);
     table.are_places = conditions.len() > 1 || places.len() > 1 && single.is_none();
     table.best = table.best.filter(|_| kind != Kind::Estimate && (single.is_none() || question.x.is_none()));
-    // The largest value of a curve, where the answer has it.
+    // The largest value of a curve, where the answer has it; of what is no error, the value of the headline.
     let is_told = |label: &String| {
-        headline.contains(label.as_str()) || table.rows.iter().flatten().any(|cell| cell.text == *label)
+        outline.headline.contains(label.as_str())
+            || table.rows.iter().flatten().any(|cell| cell.text == *label)
     };
     let mark = |rows: &Vec<usize>| {
-        let (x, row) = (question.x?, question.largest(rows)?);
+        let x = question.x?;
+        let row = match is_error {
+            true => question.largest(rows)?,
+            false => outline.row.filter(|row| rows.contains(row))?,
+        };
         let label = question.reading(row).text();
-        Some(Named {
-            rows: rows.clone(),
-            x: x.value(row),
-            y: None,
-            shape: Shape::Extremum,
-            label,
-            range: None,
-        })
+        Some(Named::at(rows, x.value(row), Shape::Extremum, label))
     };
-    let curves = choices.iter().take(MAX_ROWS).flat_map(|choice| &choice.rows).filter(|_| is_error);
-    let marks = curves.filter_map(mark).filter(|mark| is_told(&mark.label)).collect();
-    Outline { kind, headline, value, table, marks, met: None }
+    let curves = choices.iter().take(MAX_ROWS).flat_map(|choice| &choice.rows);
+    outline.marks = curves.filter_map(mark).filter(|mark| is_told(&mark.label)).collect();
+    Outline { table, ..outline }
 }
 
 /// A row for each of some places along a single curve.
@@ -114,8 +112,8 @@ pub(super) fn along(question: &Question, x: &Column, rows: &[usize]) -> Vec<Line
     names.into_iter().zip(&rows).map(line).collect()
 }
 
-/// The headline, its value and its kind: of errors the best option where it is worst, else the largest value.
-fn told(question: &Question, choices: &[Choice], is_error: bool) -> Option<(String, Option<Reading>, Kind)> {
+/// An answer without its table: of errors the best option where it is worst, else the largest value.
+fn headed(question: &Question, choices: &[Choice], is_error: bool) -> Option<Outline> {
     let first = choices.first()?;
     let all = first.rows.concat();
     let row = match is_error {
@@ -135,22 +133,34 @@ fn told(question: &Question, choices: &[Choice], is_error: bool) -> Option<(Stri
     let names = if is_error { first.long.clone() } else { place(&question.options, row) };
     if let Some(limit) = question.limit {
         let verb = if question.size(row) <= limit.value { "meets" } else { "misses" };
-        return Some((
-            requirement(question, &names, verb, limit, &value.with_interval()),
-            Some(value),
-            Kind::Requirement,
-        ));
+        let headline = requirement(question, &names, verb, limit, &value.with_interval());
+        return Some(Outline {
+            kind: Kind::Requirement,
+            headline,
+            value: Some(value),
+            row: Some(row),
+            ..Outline::default()
+        });
     }
     let given: Vec<_> =
         question.conditions.iter().copied().filter(|_| !question.options.is_empty() || !is_error).collect();
     let given = given.into_iter().chain(question.x).collect::<Vec<_>>();
     let at = place(&given, row);
     let at = if at.is_empty() { String::new() } else { format!(" at {at}") };
-    let result = |at: &str| headline(&names, &format!("{} {}{at}", question.label(), value.with_interval()));
-    let whole = result(&at);
-    let brief = if whole.split_whitespace().count() > MAX_WORDS { result("") } else { whole };
+    // What is left at a place where it is least.
+    let least = question.least_beside(row).map_or_else(String::new, |least| format!(": {}", least.text()));
+    let result =
+        |end: &str| headline(&names, &format!("{} {}{end}", question.label(), value.with_interval()));
+    let headline = first_that_fits([result(&format!("{at}{least}")), result(&at), result("")]);
     let kind = if is_error && choices.len() > 1 { Kind::Choice } else { Kind::Estimate };
-    Some((brief, Some(value), kind))
+    Some(Outline { kind, headline, value: Some(value), row: Some(row), ..Outline::default() })
+}
+
+/// The first of some headlines that is short enough, else the last one.
+fn first_that_fits<const N: usize>(headlines: [String; N]) -> String {
+    let fits = |headline: &String| headline.split_whitespace().count() <= MAX_WORDS;
+    let at = headlines.iter().position(fits).unwrap_or(N - 1);
+    headlines.into_iter().nth(at).unwrap_or_default()
 }
 
 /// A headline that says whether a limit is met.
@@ -159,8 +169,7 @@ pub(super) fn requirement(question: &Question, name: &str, verb: &str, limit: Li
     let told =
         |subject: &str| format!("{} {verb} the {limit} limit: {value}", begun(subject)).replace(" = ", "=");
     let label = question.label();
-    let whole = told(if name.is_empty() { &label } else { name });
-    if whole.split_whitespace().count() > MAX_WORDS { told("this study") } else { whole }
+    first_that_fits([told(if name.is_empty() { &label } else { name }), told("this study")])
 }
 
 /// The state of a limit in a row.
@@ -260,15 +269,16 @@ pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
     };
     let (headline, value) = match told {
         Some(least) => {
-            let with = if least.long.is_empty() { String::new() } else { format!(" ({})", least.long) };
-            let end = match (least.is_end, least.flat[0] == least.flat[1]) {
-                (true, _) => ", end of the range".to_owned(),
-                (false, true) => String::new(),
-                (false, false) => format!("; flat {}", span(x, least.flat[0], least.flat[1])),
-            };
-            let best = at(x, x.value(least.row));
+            let end = least.is_end.then_some("end");
+            let with: Vec<&str> =
+                Some(&*least.long).filter(|long| !long.is_empty()).into_iter().chain(end).collect();
+            let with = if with.is_empty() { String::new() } else { format!(" ({})", with.join(", ")) };
+            let (best, left) = (at(x, x.value(least.row)), question.reading(least.row));
+            let told = |left: &str| headline("", &format!("best {}: {best}{with}{left}", x.label));
+            let left = [left.with_interval(), left.text()].map(|left| told(&format!(": {left}")));
+            let [with_interval, without] = left;
             (
-                headline("", &format!("best {}: {best}{with}{end}", x.label)),
+                first_that_fits([with_interval, without, told("")]),
                 Some(Reading::new(x, x.value(least.row), Some((least.flat[0], least.flat[1])))),
             )
         }
@@ -279,14 +289,14 @@ pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
         columns = vec![x.label.clone(), question.label(), "95 % interval".to_owned()];
     }
     // The range is that of the headline alone, as several would cover each other.
-    let mark = |least: &Least| Named {
-        rows: least.rows.clone(),
-        x: x.value(least.row),
-        y: None,
-        shape: Shape::Extremum,
-        label: Reading::new(x, x.value(least.row), None).text(),
-        range: Some(least.flat)
-            .filter(|[from, to]| from < to && told.is_some_and(|told| told.row == least.row)),
+    let mark = |least: &Least| {
+        let best = x.value(least.row);
+        let is_told = told.is_some_and(|told| told.row == least.row);
+        let range = Some(least.flat).filter(|[from, to]| from < to && is_told);
+        Named {
+            range,
+            ..Named::at(&least.rows, best, Shape::Extremum, Reading::new(x, best, None).text())
+        }
     };
     let marks = found.iter().take(MAX_ROWS).map(mark).collect();
     let mut table = table(columns, lines);
@@ -298,7 +308,7 @@ pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
         let name = told.map(|least| least.name.clone()).unwrap_or_default();
         table.best = table.rows.iter().position(|row| row[0].text == name);
     }
-    Outline { kind: Kind::Optimum, headline, value, table, marks, met: None }
+    Outline { kind: Kind::Optimum, headline, value, table, marks, ..Outline::default() }
 }
 
 fn heading(question: &Question) -> String {
