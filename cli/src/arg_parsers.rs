@@ -6,25 +6,27 @@ use crate::failure::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::key::docs::note;
+use sagnac::quantity::bare;
 
 /// Reads a limit on a log.
 pub fn of_log(text: &str) -> Result<Limit, String> {
     Limit::parse(text, &Limited::OF_LOG).map_err(|error| error.to_string())
 }
 
-/// The value of a limit on what has these names, as in `residual=8 arcsec`; without a name, as before 0.3, it is on the
-/// first.
+/// The value of a limit on what has one of these names, with or without the unit, as in `residual=8 arcsec`; without a name, as
+/// before 0.3, it is on the first.
 ///
 /// # Errors
 /// It is on something else.
 pub fn on<'t>(text: &'t str, names: &[&str]) -> Result<&'t str, Failure> {
+    let is_known = |name: &str| names.iter().any(|known| *known == name || bare(known).any(|bare| bare == name));
     match text.split_once('=') {
         None => {
             let named = format!("--limit {}={text}", names[0]);
             note!("{}", note(&format!("--limit {text}"), &named));
             Ok(text)
         }
-        Some((name, value)) if names.contains(&name.trim()) => Ok(value.trim()),
+        Some((name, value)) if is_known(name.trim()) || bare(name.trim()).any(is_known) => Ok(value.trim()),
         Some((name, _)) => {
             let message = format!("--limit: unknown limit `{}`\naccepted: {}", name.trim(), names.join(", "));
             Err(Failure::Usage(message))

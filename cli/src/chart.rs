@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::chart::{Chart, Named};
 use sagnac::run::RESOLVED;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
@@ -204,6 +205,7 @@ fn changed(written: &Study, asked: &Redraw) -> Result<String, Failure> {
     let mut chart = match charts.get(number - 1) {
         _ if keys.kind.is_some() => Table::new(),
         Some(Value::Table(chart)) => chart.clone(),
+        _ if charts.is_empty() && number <= written.charts.len() => supplied(&written.charts[number - 1]),
         _ if number == 1 => Table::new(),
         _ => {
             let charts = match charts.len() {
@@ -221,10 +223,11 @@ fn changed(written: &Study, asked: &Redraw) -> Result<String, Failure> {
         chart.remove("where");
     }
     let mut asked = Table::try_from(keys).map_err(|error| Failure::Usage(error.to_string()))?;
-    let estimate = ["z", "y"].into_iter().find_map(|key| asked.get(key).or_else(|| chart.get(key)));
-    let named = estimate.and_then(|column| column.as_str().or(column.as_array()?.first()?.as_str()));
     if let Some(limit) = &keys.limit {
-        let value = if limit == NONE { limit } else { on(limit, &[named.unwrap_or("rms")])? };
+        let shown = ["z", "y"].into_iter().flat_map(|key| [asked.get(key), chart.get(key)]);
+        let shown = shown.flatten().map(texts).find(|columns| !columns.is_empty());
+        let columns = shown.unwrap_or_else(|| vec!["rms"]);
+        let value = if limit == NONE { limit } else { on(limit, &columns)? };
         asked.insert("limit".to_owned(), Value::String(value.to_owned()));
     }
     for (key, value) in asked {
@@ -246,6 +249,25 @@ fn changed(written: &Study, asked: &Redraw) -> Result<String, Failure> {
     check_axes(&chart, written)?;
     study.insert("chart".to_owned(), Value::Table(chart));
     Ok(study.to_string())
+}
+
+/// The keys of a chart that a study without its own charts is supplied with.
+fn supplied(chart: &Chart) -> Table {
+    let names = |columns: &mut dyn Iterator<Item = &Named>| -> Value {
+        let mut names: Vec<Value> = columns.map(|named| named.name.as_str().into()).collect();
+        // A single one is no list.
+        if names.len() == 1 { names.remove(0) } else { names.into() }
+    };
+    let x = ("x".to_owned(), Value::from(chart.x.name.as_str()));
+    Table::from_iter([x, ("y".to_owned(), names(&mut chart.columns()))])
+}
+
+/// The text of a key, or its list of texts.
+fn texts(value: &Value) -> Vec<&str> {
+    match value {
+        Value::Array(texts) => texts.iter().filter_map(Value::as_str).collect(),
+        text => text.as_str().into_iter().collect(),
+    }
 }
 
 /// Refuses a chart without axes, in terms of the options.
