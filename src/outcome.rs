@@ -10,6 +10,8 @@ use sagnac_report::page::document::{Document, Provenance, json};
 /// What a use case has found, with the contents of its files by their names.
 #[derive(Debug)]
 pub struct Outcome {
+    /// Name of a folder for it among the results of a study; empty where it is of none.
+    pub name: String,
     /// A line above the answer.
     pub heading: String,
     /// The page, whose charts and tables are files too.
@@ -33,7 +35,8 @@ impl Outcome {
     /// A page alone, of a use case that writes its charts and tables always.
     pub fn new(heading: String, page: Page) -> Outcome {
         let (details, tables, files, names) = (String::new(), vec![], vec![], vec![]);
-        Outcome { heading, page, details, tables, files, names, provenance: None, models: None }
+        let name = String::new();
+        Outcome { name, heading, page, details, tables, files, names, provenance: None, models: None }
     }
 
     /// The same of a use case that may write further files and charts with these [`names`](Outcome::names).

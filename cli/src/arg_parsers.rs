@@ -19,7 +19,8 @@ pub fn of_log(text: &str) -> Result<Limit, String> {
 /// # Errors
 /// It is on something else.
 pub fn on<'t>(text: &'t str, names: &[&str]) -> Result<&'t str, Failure> {
-    let is_known = |name: &str| names.iter().any(|known| *known == name || bare(known).any(|bare| bare == name));
+    let is_known =
+        |name: &str| names.iter().any(|known| *known == name || bare(known).any(|bare| bare == name));
     match text.split_once('=') {
         None => {
             let named = format!("--limit {}={text}", names[0]);

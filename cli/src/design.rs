@@ -1,23 +1,17 @@
 //! `sagnac design`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::filler_search::band;
-use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as find, report};
-use sagnac::analysis::page;
-use sagnac::outcome::Outcome;
+use sagnac::analysis::design::{Constraints, DesignError, DesignRequest, Measure, Search, design as find};
 use sagnac::quantity::Dimension;
-use sagnac::quantity::number::short;
-use sagnac::report::chart::Picture;
-use sagnac::report::page::document::Provenance;
 
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
 use crate::filler::at_least_0;
-use crate::outcome::{finish, spell};
-use crate::output::print_documents;
+use crate::outcome::spell;
 use crate::program::DeviceArg;
 use crate::progress::Shown;
 use crate::sampling::Sampling;
@@ -66,13 +60,13 @@ pub struct Options {
 
 impl Options {
     /// What the design is asked for.
-    fn request(&self) -> Result<Request, Failure> {
+    fn request(&self) -> Result<DesignRequest, Failure> {
         let latency_s = self.latency.as_deref().map(|text| at_least_0("--latency", text, Dimension::Time));
         let constraints = Constraints { latency_s: latency_s.transpose()?, memory_bytes: self.memory };
         let refused = |text: &str, why: String| Failure::Usage(format!("--band = {text}: {why}"));
         let band = self.band.as_deref().map(|text| band(text).map_err(|why| refused(text, why)));
         let band = band.transpose()?;
-        Ok(Request { measure: self.by, constraints, search: self.search.then_some(Search { band }) })
+        Ok(DesignRequest { measure: self.by, constraints, search: self.search.then_some(Search { band }) })
     }
 }
 
@@ -88,14 +82,6 @@ fn measures() -> impl TypedValueParser<Value = Measure> {
     one_of(Measure::ALL.map(|measure| (named(measure), measure)))
 }
 
-/// The folder of results; each measure has its own.
-fn folder(measure: Measure) -> String {
-    match measure {
-        Measure::DriftP9973 => "design".to_owned(),
-        other => format!("design_{}", other.name()),
-    }
-}
-
 /// Finds and prints the best interval and filler.
 pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = reading::study(&options.study)?;
@@ -103,22 +89,15 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let request = options.request()?;
     let mut device = options.device.select(!options.sampling.printed.quiet)?;
     let shown = Shown::new(options.sampling.how());
-    let found = find(&study, &request, &mut device, &shown)
-        .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
+    let mut found =
+        find(&study, &request, &mut device, &shown).map_err(|error| match error.in_study(&study) {
+            Ok(error) => Failure::Study(error),
+            Err(DesignError::Decision(error)) => error.into(),
+            Err(DesignError::Gpu(error)) => Failure::Gpu(error),
+            Err(error) => Failure::Picture(error.to_string()),
+        })?;
     shown.clear();
-    let stem = options.study.file_stem().unwrap_or_default();
-    let folder =
-        options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
-    let sheet = found.sheet()?;
-    let (runs, after) = (short(found.trials as f64), report::duration(found.variant().duration_s));
-    let figure = report::figure(&found).map_err(|error| Failure::Picture(error.to_string()))?;
-    let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
-    let candidates = report::table(&found).rows();
-    let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", found.study.title);
-    let mut outcome = Outcome::new(heading, page).among(["pareto.csv", "design", "pareto"]);
-    outcome.provenance = Some(Provenance::new(study.seed, found.trials));
-    outcome.add_json("design.json", &spell);
-    let sampling = &options.sampling;
-    let document = finish(&outcome, &folder, [], &[], sampling.json, &sampling.printed)?;
-    print_documents(document.as_slice(), 1)
+    let folder = options.sampling.folder(options.out.as_deref(), &options.study, &found.name);
+    found.add_json("design.json", &spell);
+    options.sampling.finish(&found, &folder)
 }

@@ -3,41 +3,32 @@
 use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::on;
-use crate::failure::{Failure, in_options};
+use crate::failure::Failure;
 use crate::outcome::finish;
-use crate::output::{Printed, print_documents, unwritten};
+use crate::output::{Printed, print_documents};
 use crate::reading;
 use clap::Args;
-use miette::Diagnostic;
-use sagnac::analysis::firmware::choice::ChoiceError;
-use sagnac::analysis::firmware::design::Firmware;
-use sagnac::analysis::firmware::search::Asked;
-use sagnac::analysis::firmware::standalone::{Alone, KINDS, MINIMUM_VARIANCE};
-use sagnac::analysis::page::of_filler;
-use sagnac::diagnostics::StudyError;
-use sagnac::outcome::Outcome;
+use sagnac::analysis::firmware::{
+    Alone, Asked, ChoiceError, FillerRequest, FillerSource, KINDS, MINIMUM_VARIANCE, filler as find,
+    in_properties,
+};
 use sagnac::quantity::{Dimension, parse};
-use sagnac::study::Study;
-
-/// The files of the command.
-const NAMES: [&str; 7] =
-    ["fillers.csv", "weights.csv", "trade.csv", "test_vectors.csv", "sagnac_filler.h", "response", "trade"];
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
-    let (study, firmware, folder) = options.firmware()?;
-    // Vectors of an earlier call are removed, because they may belong to other weights.
-    let mut outcome = Outcome::new(firmware.heading(), of_filler(&study, &firmware)).among(NAMES);
-    let header = "sagnac_filler.h";
-    outcome.files.push((header.to_owned(), firmware.header().into_bytes()));
-    let places = [format!("C header  {}", folder.join(header).display())];
-    if let Some(count) = options.test_vectors {
-        let (mut csv, name) = (Vec::new(), "test_vectors.csv");
-        let vectors = firmware.vectors(count as usize);
-        firmware.write_vectors(&vectors, &mut csv).map_err(unwritten(&folder.join(name)))?;
-        outcome.files.push((name.to_owned(), csv));
-    }
-    let document = finish(&outcome, &folder, [], &places, options.json, &options.printed)?;
+    let (request, stem) = options.request()?;
+    let (_, found) = find(&request).map_err(|error| match (&request.source, error) {
+        // Nobody knows the text of the study of properties.
+        (FillerSource::Alone { .. }, ChoiceError::Study(error)) => {
+            let option = |property: &str| format!("--{}", property.replace('_', "-"));
+            Failure::Usage(in_properties(&error, option))
+        }
+        (_, error) => error.into(),
+    })?;
+    let usual = || Path::new("results").join(stem).join(&found.name);
+    let folder = options.out.clone().unwrap_or_else(usual);
+    let places = [format!("C header  {}", folder.join("sagnac_filler.h").display())];
+    let document = finish(&found, &folder, [], &places, options.json, &options.printed)?;
     print_documents(document.as_slice(), 1)
 }
 
@@ -73,50 +64,37 @@ pub struct Options {
     /// out
     #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
           value_parser = clap::value_parser!(u32).range(1..=MAX_VECTORS))]
-    pub test_vectors: Option<u32>,
+    test_vectors: Option<u32>,
     /// Print the weights as JSON
     #[arg(help_heading = "Output", long)]
-    pub json: bool,
+    json: bool,
     #[command(flatten)]
-    pub printed: Printed,
+    printed: Printed,
     #[command(flatten)]
     alone: Given,
 }
 
 impl Options {
-    /// The study, the requested fillers at one of its points, and their output folder.
+    /// What fillers are asked for, and the name of the study file or of the fillers.
     ///
     /// # Errors
-    /// An option does not apply, or the study is invalid; for a study built from the options this is an error of usage.
-    pub fn firmware(&self) -> Result<(Study, Firmware, PathBuf), Failure> {
-        let file = self.file()?;
-        let (study, firmware) = match file {
-            Some(file) => self.of_study(reading::study(file)?)?,
-            None => self.alone.firmware(&self.what)?,
+    /// An option does not apply or is missing, or the study cannot be read.
+    fn request(&self) -> Result<(FillerRequest, PathBuf), Failure> {
+        let vectors = self.test_vectors.map(|count| count as usize);
+        let Some(file) = self.file()? else {
+            let (kinds, properties) = (self.what.clone(), self.alone.properties(&self.what)?);
+            let (source, search) = (FillerSource::Alone { kinds, properties }, self.alone.asked(&self.what)?);
+            return Ok((FillerRequest { source, search, vectors }, self.what.join("+").into()));
         };
-        Ok((study, firmware, self.folder(file)))
-    }
-
-    /// The fillers of a study, or the one that is searched for it.
-    fn of_study(&self, study: Study) -> Result<(Study, Firmware), Failure> {
-        let Some(asked) = self.alone.asked_of_study()? else {
-            let firmware = Firmware::choose(&study, &self.at, &self.fillers)?;
-            return Ok((study, firmware));
-        };
-        if !self.fillers.is_empty() {
+        let study = Box::new(reading::study(file)?);
+        let search = self.alone.asked_of_study()?;
+        if search.is_some() && !self.fillers.is_empty() {
             let message = "--limit and --latency search a filler of their own\nleave --filler out";
             return Err(Failure::Usage(message.to_owned()));
         }
-        Ok(Firmware::searched(&study, &self.at, asked)?)
-    }
-
-    /// The output folder.
-    fn folder(&self, file: Option<&Path>) -> PathBuf {
-        let stem = match file {
-            Some(file) => file.file_stem().map(PathBuf::from).unwrap_or_default(),
-            None => PathBuf::from(self.what.join("+")),
-        };
-        self.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join("filler"))
+        let source = FillerSource::Study { study, at: self.at.clone(), names: self.fillers.clone() };
+        let stem = file.file_stem().map(PathBuf::from).unwrap_or_default();
+        Ok((FillerRequest { source, search, vectors }, stem))
     }
 
     /// The study file; `None` where the arguments before the options are kinds of fillers.
@@ -142,22 +120,9 @@ impl Options {
     }
 }
 
-/// Keys of the resulting study with the corresponding options; longer keys first.
-const OPTIONS_OF_KEYS: [(&str, &str); 9] = [
-    ("switching.extrapolation_ticks", "--extrapolation-ticks"),
-    ("switching.fit_ticks", "--fit-ticks"),
-    ("switching.gap_ticks", "--gap-ticks"),
-    ("switching.fillers", "the filler"),
-    ("motion.amplitude", "--amplitude"),
-    ("motion.frequency", "--band"),
-    ("gyro.tick_noise.std", "--noise"),
-    ("gyro.tick_noise", "--noise"),
-    ("gyro.tick", "--tick"),
-];
-
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Without a study")]
-pub struct Given {
+struct Given {
     /// Number n of lost ticks
     #[arg(long, value_name = "N")]
     gap_ticks: Option<u32>,
@@ -213,7 +178,7 @@ impl Given {
     }
 
     /// The name of one option that is given, if any.
-    pub fn given(&self) -> Option<&'static str> {
+    fn given(&self) -> Option<&'static str> {
         let text = self.texts().into_iter().find(|text| text.value.is_some()).map(|text| text.name);
         self.gap_ticks.map(|_| "--gap-ticks").or(text)
     }
@@ -222,7 +187,7 @@ impl Given {
     ///
     /// # Errors
     /// A text is not such a quantity.
-    pub fn asked_of_study(&self) -> Result<Option<Asked>, Failure> {
+    fn asked_of_study(&self) -> Result<Option<Asked>, Failure> {
         let value = |name: &str, text: &Option<String>, dimension| {
             text.as_ref().map(|text| at_least_0(name, text, dimension)).transpose()
         };
@@ -258,11 +223,11 @@ impl Given {
         self.asked_of_study()
     }
 
-    /// The study of fillers of these kinds with its firmware, whose fit ticks are searched if that is asked for.
+    /// The properties of fillers of these kinds.
     ///
     /// # Errors
-    /// An option that the fillers require is missing, or the options describe no filler.
-    pub fn firmware(&self, kinds: &[String]) -> Result<(Study, Firmware), Failure> {
+    /// An option that the fillers require is missing.
+    fn properties(&self, kinds: &[String]) -> Result<Alone, Failure> {
         let missing = |option: &str, example: &str, of: &str| {
             Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
         };
@@ -276,7 +241,7 @@ impl Given {
                 }
             }
         }
-        let alone = Alone {
+        Ok(Alone {
             gap_ticks,
             tick: self.tick.clone(),
             fit_ticks: self.fit_ticks.clone(),
@@ -284,20 +249,8 @@ impl Given {
             band: self.band.clone(),
             amplitude: self.amplitude.clone(),
             noise: self.noise.clone(),
-        };
-        alone.firmware(kinds, self.asked(kinds)?).map_err(|error| match error {
-            ChoiceError::Study(error) => failure(&error),
-            ChoiceError::Asked(message) => Failure::Usage(in_options(&message)),
         })
     }
-}
-
-/// An error of the study of such fillers in terms of the options.
-fn failure(error: &StudyError) -> Failure {
-    let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
-    let said =
-        OPTIONS_OF_KEYS.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
-    Failure::Usage(said)
 }
 
 /// The value of an option that is a quantity of at least 0.

@@ -1,17 +1,13 @@
 //! `sagnac sensitivity`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use sagnac::analysis::page;
-use sagnac::analysis::sensitivity::{Request, SensitivityError, report, sensitivity as find};
-use sagnac::outcome::Outcome;
-use sagnac::report::page::document::Provenance;
+use sagnac::analysis::sensitivity::{SensitivityError, SensitivityRequest, sensitivity as find};
 use sagnac::study::Study;
 
 use crate::failure::{Failure, in_options};
-use crate::outcome::{finish, spell};
-use crate::output::print_documents;
+use crate::outcome::spell;
 use crate::program::DeviceArg;
 use crate::progress::Shown;
 use crate::sampling::Sampling;
@@ -57,30 +53,21 @@ fn samples(text: &str) -> Result<u64, String> {
 /// Finds and prints what decides the answer.
 pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     let mut study = reading::study(&options.study)?;
-    options.sampling.apply(&mut study);
+    // The trials are those of an evaluation, not of the study.
+    options.sampling.apply_seed(&mut study);
     let mut device = options.device.select(!options.sampling.printed.quiet)?;
     let shown = Shown::new(options.sampling.how());
-    let asked = Request {
+    let request = SensitivityRequest {
         by: options.by.clone(),
         rows: options.rows.clone(),
         samples: options.samples,
         trials: options.sampling.trials,
     };
-    let found = find(&study, &asked, &mut device, &shown).map_err(|error| failure(&study, error))?;
+    let mut found = find(&study, &request, &mut device, &shown).map_err(|error| failure(&study, error))?;
     shown.clear();
-    let stem = options.study.file_stem().unwrap_or_default();
-    let name = match &options.by {
-        Some(_) => format!("sensitivity_{}", found.answer.name),
-        None => "sensitivity".to_owned(),
-    };
-    let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
-    let heading = format!("{} · {}", study.title, report::effort(&found));
-    let mut outcome = Outcome::new(heading, page::of_sensitivity(&study, &found));
-    outcome.provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
-    outcome.add_json("sensitivity.json", &spell);
-    let sampling = &options.sampling;
-    let document = finish(&outcome, &folder, [], &[], sampling.json, &sampling.printed)?;
-    print_documents(document.as_slice(), 1)
+    let folder = options.sampling.folder(options.out.as_deref(), &options.study, &found.name);
+    found.add_json("sensitivity.json", &spell);
+    options.sampling.finish(&found, &folder)
 }
 
 /// An error at the place in the study that caused it.

@@ -370,6 +370,16 @@ pub enum Fact {
 }
 
 impl Fact {
+    /// Another value, with its place or condition, which may be empty.
+    pub fn value(name: &str, value: Reading, at: &str) -> Fact {
+        Fact::Value { name: name.to_owned(), value, at: at.to_owned() }
+    }
+
+    /// A condition on the answer.
+    pub fn caveat(text: impl Into<String>) -> Fact {
+        Fact::Caveat { text: text.into() }
+    }
+
     /// The heading of its row.
     pub fn label(&self) -> &str {
         match self {

@@ -312,7 +312,14 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]
         .map(|(axis, at)| valued(axis, at));
     let headline = headline("", &format!("{}: at most {} at {}", map.z.label, value.text(), at.join(", ")));
-    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, met: met(map), ..Outline::default() })
+    Some(Outline {
+        kind: Kind::Map,
+        headline,
+        value: Some(value),
+        table,
+        met: met(map),
+        ..Outline::default()
+    })
 }
 
 /// The part of a label that names it in few words.

@@ -169,7 +169,7 @@ pub(crate) fn of_study(
             figure.marks = marks;
         }
     }
-    let limit = limit.map(|limit| Reading::new(&limited(limit), limit.value, None));
+    let limit = limit.map(reading_of_limit);
     let judged = decided.map_or(Status::NoLimit, Sheet::status);
     let status = match outline.met {
         // The sheet judges the best point of each curve alone.
@@ -243,9 +243,10 @@ fn uncapitalized(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
-/// A column of a limit's unit.
-fn limited(limit: Limit) -> Column {
-    Column { name: "limit".to_owned(), unit: limit.unit, role: Role::Error, ..Column::default() }
+/// A limit in the unit in which it is shown.
+pub(in crate::analysis) fn reading_of_limit(limit: Limit) -> Reading {
+    let (name, unit) = ("limit".to_owned(), limit.unit);
+    Reading::new(&Column { name, unit, role: Role::Error, ..Column::default() }, limit.value, None)
 }
 
 /// The facts of a decision beside an answer; without a decision, on fillers that firmware cannot have.

@@ -1,8 +1,8 @@
 //! Answers that compare options: their values side by side, and the value of the abscissa at which each is best.
 
 use crate::analysis::answer::{
-    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names, limited,
-    options, place, sampled, spread, table,
+    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names, options,
+    place, reading_of_limit, sampled, spread, table,
 };
 use crate::analysis::role::less_is_better;
 use sagnac_base::table::{Column, Role};
@@ -165,7 +165,7 @@ fn first_that_fits<const N: usize>(headlines: [String; N]) -> String {
 
 /// A headline that says whether a limit is met.
 pub(super) fn requirement(question: &Question, name: &str, verb: &str, limit: Limit, value: &str) -> String {
-    let limit = Reading::new(&limited(limit), limit.value, None).text();
+    let limit = reading_of_limit(limit).text();
     let told =
         |subject: &str| format!("{} {verb} the {limit} limit: {value}", begun(subject)).replace(" = ", "=");
     let label = question.label();
@@ -293,10 +293,7 @@ pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
         let best = x.value(least.row);
         let is_told = told.is_some_and(|told| told.row == least.row);
         let range = Some(least.flat).filter(|[from, to]| from < to && is_told);
-        Named {
-            range,
-            ..Named::at(&least.rows, best, Shape::Extremum, Reading::new(x, best, None).text())
-        }
+        Named { range, ..Named::at(&least.rows, best, Shape::Extremum, Reading::new(x, best, None).text()) }
     };
     let marks = found.iter().take(MAX_ROWS).map(mark).collect();
     let mut table = table(columns, lines);

@@ -1,10 +1,12 @@
 //! The answer of a design: the best interval and filler, and what the others cost.
 
+use crate::analysis::answer::reading_of_limit;
 use crate::analysis::decision::Sheet;
-use crate::analysis::design::report::{called, duration, named};
+use crate::analysis::design::report::duration;
+use crate::analysis::design::result::time;
 use crate::analysis::design::{Design, Filler, Found, PapersRule, Tried, Variant};
 use sagnac_base::diagnostics::listed;
-use sagnac_base::table::{Column, Unit};
+use sagnac_base::table::Unit;
 use sagnac_report::answer::reading::{joined, number, range};
 use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
 
@@ -21,11 +23,6 @@ fn reading(label: &str, found: Found) -> Reading {
         Unit::DEG_PER_H.symbol,
         found.interval.map(|(low, high)| [low, high]),
     )
-}
-
-/// A time in the unit in which answers show it.
-pub(super) fn time(name: &str, time_s: f64) -> Reading {
-    Reading::new(&Column { name: name.to_owned(), unit: Unit::S, ..Column::default() }, time_s, None)
 }
 
 impl Filler {
@@ -66,10 +63,7 @@ impl Design {
             status: sheet.map_or(Status::NoLimit, Sheet::status),
             headline: self.headline(),
             value: Some(reading(self.measure.label(), best.drift)),
-            limit: sheet.and_then(|sheet| sheet.limit).map(|limit| {
-                let column = Column { name: "limit".to_owned(), unit: limit.unit, ..Column::default() };
-                Reading::new(&column, limit.value, None)
-            }),
+            limit: sheet.and_then(|sheet| sheet.limit).map(reading_of_limit),
             table: self.options(),
             facts: self.facts(sheet),
             checks: vec![],
@@ -79,32 +73,29 @@ impl Design {
     /// Interval and filler, with the drift.
     pub fn headline(&self) -> String {
         let best = self.best();
-        let choice = named(self, self.variant(), best);
+        let choice = self.named(self.variant(), best);
         let choice = if choice.is_empty() { choice } else { format!(" with {choice}") };
-        let interval = time("interval", best.best().interval_s).text();
+        let interval = best.best().interval().text();
         let drift = reading(self.measure.label(), best.best().drift).with_interval();
         format!("Switch every {interval}{choice}: {drift}")
     }
 
     /// A row for each filler with each combination of swept values, at its own best interval.
     fn options(&self) -> AnswerTable {
-        let mut all: Vec<(&Variant, &Filler)> = Vec::new();
-        for variant in &self.variants {
-            all.extend(variant.fillers.iter().map(|filler| (variant, filler)));
-        }
+        let mut all: Vec<(&Variant, &Filler)> = self.fillers().collect();
         let is_best = |filler: &Filler| std::ptr::eq(filler, self.best());
         all.sort_by(|a, b| {
             let drift = |filler: &Filler| self.deciding(filler.best());
             is_best(b.1).cmp(&is_best(a.1)).then(drift(a.1).total_cmp(&drift(b.1)))
         });
-        let name = |variant: &Variant, filler: &Filler| match named(self, variant, filler) {
-            name if name.is_empty() => called(filler).to_owned(),
+        let name = |variant: &Variant, filler: &Filler| match self.named(variant, filler) {
+            name if name.is_empty() => filler.called().to_owned(),
             name => name,
         };
         let row = |(variant, filler): &(&Variant, &Filler)| -> Vec<AnswerCell> {
             let best = filler.best();
             let end = if filler.is_at_edge() { " (end)" } else { "" };
-            let interval = time("interval", best.interval_s);
+            let interval = best.interval();
             vec![
                 name(variant, filler).into(),
                 AnswerCell::with_text(interval.text() + end, interval),
@@ -124,45 +115,42 @@ impl Design {
     fn facts(&self, sheet: Option<&Sheet>) -> Vec<Fact> {
         let best = self.best();
         let label = self.measure.label();
-        let value = |name: &str, value: Reading, at: String| Fact::Value { name: name.to_owned(), value, at };
         let mut facts = sheet.map(Sheet::facts).unwrap_or_default();
         if let Some((low, high)) = best.optimum.interval {
             let interval = Reading::in_unit("interval", best.best().interval_s, "s", Some([low, high]));
-            facts.push(value("Best interval", interval, String::new()));
+            facts.push(Fact::value("Best interval", interval, ""));
         }
         if let Some(cost) = best.cost.filter(|_| self.trades()) {
-            facts.push(value("Latency", time("latency", cost.latency_s), String::new()));
+            facts.push(Fact::value("Latency", time("latency", cost.latency_s), ""));
             let bytes = Reading::in_unit("memory", cost.memory.bytes() as f64, "bytes", None);
-            facts.push(value("Memory", bytes, String::new()));
+            facts.push(Fact::value("Memory", bytes, ""));
         }
         if let Some(PapersRule { interval_s, tried, .. }) = &best.papers_rule {
             let drift = Reading { interval: None, ..reading(label, tried.drift) };
             let times = number(100.0 * (self.times_best(tried).value - 1.0));
-            facts.push(value(
+            facts.push(Fact::value(
                 "Paper's rule",
                 drift,
-                format!("at {}, {times} % more", time("", *interval_s).text()),
+                &format!("at {}, {times} % more", time("", *interval_s).text()),
             ));
         }
         if self.variant().non_magnetic != 0.0 {
             let switched = Reading { interval: None, ..reading(label, best.best().switched) };
-            facts.push(value("From switching alone", switched, String::new()));
+            facts.push(Fact::value("From switching alone", switched, ""));
         }
         let alike: Vec<String> = self
-            .variants
-            .iter()
-            .flat_map(|variant| variant.fillers.iter().map(move |filler| (variant, filler)))
+            .fillers()
             .filter(|(_, filler)| !std::ptr::eq(*filler, best) && self.is_as_good(filler.best()))
-            .map(|(variant, filler)| named(self, variant, filler))
+            .map(|(variant, filler)| self.named(variant, filler))
             .collect();
         if !alike.is_empty() {
             let more = alike.len().saturating_sub(MAX_NAMED);
             let mut names: Vec<String> = alike.into_iter().take(MAX_NAMED).collect();
             names.extend((more > 0).then(|| format!("{more} more")));
-            facts.push(Fact::Caveat { text: format!("not distinguishable: {}", listed(&names)) });
+            facts.push(Fact::caveat(format!("not distinguishable: {}", listed(&names))));
         }
         if best.is_at_edge() {
-            facts.push(Fact::Caveat { text: "the best interval is an end of those tried".to_owned() });
+            facts.push(Fact::caveat("the best interval is an end of those tried"));
         }
         facts
     }

@@ -15,7 +15,7 @@
 //! own, and the variant with the least drift wins. All variants have the same random numbers.
 //!
 //! ```
-//! use sagnac::analysis::design::{Constraints, Measure, Request, design};
+//! use sagnac::analysis::design::{Constraints, Design, DesignRequest, Measure};
 //! use sagnac::verify::select;
 //! use sagnac::study::Study;
 //! use sagnac::progress::Silent;
@@ -35,8 +35,8 @@
 //!     duration = "1 h"
 //! "#)?;
 //! let mut device = select("cpu", 2)?.device;
-//! let request = Request { measure: Measure::DriftRms, constraints: Constraints::default(), search: None };
-//! let found = design(&study, &request, &mut device, &Silent)?;
+//! let request = DesignRequest { measure: Measure::DriftRms, constraints: Constraints::default(), search: None };
+//! let found = Design::compute(&study, &request, &mut device, &Silent)?;
 //! let best = found.best().best();
 //! // In closed form 22.4 s, and 0.0304 °/h rms.
 //! assert!((20.0..25.0).contains(&best.interval_s), "{} s", best.interval_s);
@@ -52,12 +52,15 @@ pub mod report;
 pub mod result;
 pub(crate) mod runs;
 
+use crate::analysis::decision::DecisionError;
 use crate::analysis::design::candidates::{LeftOut, Maker, constrained};
 use crate::analysis::design::filler_search::with_searched;
 use crate::analysis::design::optimum::least_of;
 use crate::analysis::design::result::deciding;
 use crate::analysis::design::runs::{Chosen, Runner, work};
 use crate::analysis::jackknife::PARTS;
+use crate::analysis::page;
+use crate::outcome::Outcome;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;
@@ -73,6 +76,9 @@ use sagnac_engine::sampling::Worker;
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::Block;
 use sagnac_kernel::moments::Moments;
+use sagnac_report::chart::Picture;
+use sagnac_report::chart::notes::ChartError;
+use sagnac_report::page::document::Provenance;
 use sagnac_theory::drift::budget::{Budget, Optimum};
 
 pub use crate::analysis::design::candidates::{Constraints, Cost};
@@ -83,9 +89,9 @@ pub use crate::analysis::design::runs::Measure;
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.
 const MANY: u64 = 20_000_000_000;
 
-/// What a design is asked for.
+/// What a design is asked for beside its study, which has the trials and the seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request {
+pub struct DesignRequest {
     /// Quantity to minimize.
     pub measure: Measure,
     /// What fillers must meet.
@@ -94,73 +100,101 @@ pub struct Request {
     pub search: Option<Search>,
 }
 
-/// Runs all candidates of all variants; `progress` counts the switches of their runs.
+/// The best switching interval and filler of a study: a page with the drift at all candidates, the fillers at their best intervals
+/// and what latency and memory cost. `progress` counts the switches of the runs.
 ///
 /// # Errors
-/// The study is of another kind, has nothing to choose or no filler that meets the constraints, does not accept the band of
-/// the search, or the device fails.
+/// It fails where [`Design::compute`] does, and where the decision at the best interval cannot be made.
 pub fn design(
     study: &Study,
-    request: &Request,
+    request: &DesignRequest,
     device: &mut Device,
     progress: &dyn Progress,
-) -> Result<Design, DesignError> {
-    let Request { measure, constraints, search } = request;
-    let extended = search.as_ref().map(|search| with_searched(study, constraints, search)).transpose()?;
-    let study = extended.as_ref().unwrap_or(study);
-    let Some(runs) = study.asked::<SwitchedRun>() else {
-        return Err(DesignError::Kind(study.kind().name));
+) -> Result<Outcome, DesignError> {
+    let found = Design::compute(study, request, device, progress)?;
+    let (sheet, figure) = (found.sheet()?, report::figure(&found)?);
+    let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
+    let candidates: usize = found.fillers().map(|(_, filler)| filler.tried.len()).sum();
+    let (runs, after) = (short(found.trials as f64), report::duration(found.variant().duration_s));
+    let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", study.title);
+    let name = match request.measure {
+        Measure::DriftP9973 => "design".to_owned(),
+        other => format!("design_{}", other.name()),
     };
-    let mut left_out = Vec::new();
-    let all = within(constraints, variants(runs), &mut left_out)?;
-    let swept = study.sweeps.iter().any(|sweep| sweep.key.name == INTERVAL.name);
-    let mut chosen = Vec::new();
-    for (values, runs, costs) in &all {
-        let maker = Maker { runs, seed: study.seed, swept };
-        let candidates = maker.choose().map_err(|error| error.of_variant(values))?;
-        chosen.push(Chosen { candidates, costs, maker });
+    let provenance = Some(Provenance::new(study.seed, found.trials));
+    let outcome = Outcome::new(heading, page).among(["pareto.csv", "design", "pareto"]);
+    Ok(Outcome { name, provenance, ..outcome })
+}
+
+impl Design {
+    /// Runs all candidates of all variants; `progress` counts the switches of their runs.
+    ///
+    /// # Errors
+    /// The study is of another kind, has nothing to choose or no filler that meets the constraints, does not accept the band of
+    /// the search, or the device fails.
+    pub fn compute(
+        study: &Study,
+        request: &DesignRequest,
+        device: &mut Device,
+        progress: &dyn Progress,
+    ) -> Result<Design, DesignError> {
+        let DesignRequest { measure, constraints, search } = request;
+        let extended = search.as_ref().map(|search| with_searched(study, constraints, search)).transpose()?;
+        let study = extended.as_ref().unwrap_or(study);
+        let Some(runs) = study.asked::<SwitchedRun>() else {
+            return Err(DesignError::Kind(study.kind().name));
+        };
+        let mut left_out = Vec::new();
+        let all = within(constraints, variants(runs), &mut left_out)?;
+        let swept = study.sweeps.iter().any(|sweep| sweep.key.name == INTERVAL.name);
+        let mut chosen = Vec::new();
+        for (values, runs, costs) in &all {
+            let maker = Maker { runs, seed: study.seed, swept };
+            let candidates = maker.choose().map_err(|error| error.of_variant(values))?;
+            chosen.push(Chosen { candidates, costs, maker });
+        }
+        let trials = trials_of(study.trials);
+        let candidates = || chosen.iter().flat_map(|chosen| chosen.candidates.iter().flatten());
+        // The optimum of each filler and the interval of the paper's rule are added when they are found.
+        let total = candidates().map(|candidate| work(candidate, trials)).sum::<u64>();
+        let mut effort = None;
+        if chosen.len() > 1 && total >= MANY {
+            let [candidates, trials, total] =
+                [candidates().count() as u64, trials, total].map(|count| short(count as f64));
+            let sentence = format!(
+                "{} variants have {candidates} candidates of {trials} runs each, {total} switches together",
+                chosen.len()
+            );
+            progress.note(&sentence);
+            effort = Some(sentence);
+        }
+        progress.start("switches", 0, total);
+        let worker = Worker::new(device, progress);
+        let mut runner = Runner { worker, progress, measure: *measure, trials, total, done: 0 };
+        let mut found: Vec<Variant> = Vec::new();
+        for ((swept, runs, _), chosen) in all.iter().zip(&chosen) {
+            let fillers = runner.fillers(chosen).map_err(|error| error.of_variant(swept))?;
+            let drifts: Vec<f64> = fillers.iter().map(|filler| filler.best().switched.value).collect();
+            let (best, swept, point) = (least_of(&drifts), swept.clone(), &runs.points[0]);
+            let (duration_s, non_magnetic) = (point.schedule.duration_s, point.drift.non_magnetic);
+            found.push(Variant { swept, duration_s, non_magnetic, fillers, best });
+        }
+        let drifts: Vec<f64> = found.iter().map(|variant| deciding(&found, variant.best().best())).collect();
+        let best = least_of(&drifts);
+        let of_fillers = candidates::note(constraints, &left_out, variants(runs).len());
+        let notes =
+            runner.worker.into_notes().into_iter().chain(notes(study, runs)).chain(of_fillers).chain(effort);
+        Ok(Design {
+            study: study.clone(),
+            measure: *measure,
+            constraints: *constraints,
+            is_searched: search.is_some(),
+            trials,
+            notes: notes.collect(),
+            variants: found,
+            best,
+        })
     }
-    let trials = trials_of(study.trials);
-    let candidates = || chosen.iter().flat_map(|chosen| chosen.candidates.iter().flatten());
-    // The optimum of each filler and the interval of the paper's rule are added when they are found.
-    let total = candidates().map(|candidate| work(candidate, trials)).sum::<u64>();
-    let mut effort = None;
-    if chosen.len() > 1 && total >= MANY {
-        let [candidates, trials, total] =
-            [candidates().count() as u64, trials, total].map(|count| short(count as f64));
-        let sentence = format!(
-            "{} variants have {candidates} candidates of {trials} runs each, {total} switches together",
-            chosen.len()
-        );
-        progress.note(&sentence);
-        effort = Some(sentence);
-    }
-    progress.start("switches", 0, total);
-    let worker = Worker::new(device, progress);
-    let mut runner = Runner { worker, progress, measure: *measure, trials, total, done: 0 };
-    let mut found: Vec<Variant> = Vec::new();
-    for ((swept, runs, _), chosen) in all.iter().zip(&chosen) {
-        let fillers = runner.fillers(chosen).map_err(|error| error.of_variant(swept))?;
-        let drifts: Vec<f64> = fillers.iter().map(|filler| filler.best().switched.value).collect();
-        let (best, swept, point) = (least_of(&drifts), swept.clone(), &runs.points[0]);
-        let (duration_s, non_magnetic) = (point.schedule.duration_s, point.drift.non_magnetic);
-        found.push(Variant { swept, duration_s, non_magnetic, fillers, best });
-    }
-    let drifts: Vec<f64> = found.iter().map(|variant| deciding(&found, variant.best().best())).collect();
-    let best = least_of(&drifts);
-    let of_fillers = candidates::note(constraints, &left_out, variants(runs).len());
-    let notes =
-        runner.worker.into_notes().into_iter().chain(notes(study, runs)).chain(of_fillers).chain(effort);
-    Ok(Design {
-        study: study.clone(),
-        measure: *measure,
-        constraints: *constraints,
-        is_searched: search.is_some(),
-        trials,
-        notes: notes.collect(),
-        variants: found,
-        best,
-    })
 }
 
 /// The variants with the fillers that meet the constraints, and the costs of these. A variant without such a filler is
@@ -329,6 +363,12 @@ pub enum DesignError {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The decision at the best interval fails.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// The drift cannot be drawn.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
     /// The runs do not say where 99.73 % of them lie.
     #[error("{trials} runs are too few for the {}", measure.label())]
     TooFew {
@@ -359,21 +399,23 @@ impl DesignError {
         }
     }
 
-    /// The error at the place in the study that caused it.
+    /// The error at the place in the study that caused it; the same error where the study did not.
     ///
     /// # Errors
-    /// The device failed.
-    pub fn in_study(self, study: &Study) -> Result<StudyError, GpuError> {
+    /// The device, the decision or a chart caused it.
+    pub fn in_study(self, study: &Study) -> Result<StudyError, DesignError> {
         if let DesignError::Study(error) = self {
             return Ok(error);
         }
-        let (key, help) = self.remedy()?;
-        Ok(study.error_at(study.place_of(key), self.to_string(), help))
+        match self.remedy() {
+            Some((key, help)) => Ok(study.error_at(study.place_of(key), self.to_string(), help)),
+            None => Err(self),
+        }
     }
 
-    /// The key to change, and how.
-    fn remedy(&self) -> Result<(&'static str, &'static str), GpuError> {
-        Ok(match self {
+    /// The key to change, and how; `None` where the study did not cause the error.
+    fn remedy(&self) -> Option<(&'static str, &'static str)> {
+        Some(match self {
             DesignError::Kind(_) => ("kind", "give a study of kind = \"switched-run\""),
             DesignError::Nothing => ("drift", "give drift.magnetic, and fillers or drift.residual_max"),
             DesignError::NoCandidate(_) => ("run.duration", "lengthen the run, or sweep switching.interval"),
@@ -389,7 +431,7 @@ impl DesignError {
             DesignError::TooFew { .. } => ("trials", "increase them; 100_000 is usual"),
             DesignError::Lower(lower) => (lower.key, lower.help),
             DesignError::At { error, .. } => return error.remedy(),
-            DesignError::Gpu(error) => return Err(error.clone()),
+            DesignError::Gpu(_) | DesignError::Decision(_) | DesignError::Chart(_) => return None,
         })
     }
 }

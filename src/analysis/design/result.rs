@@ -1,15 +1,16 @@
 //! What a search for a design finds: candidates with their drift, the best one, and those that no other beats in all respects.
 
-use crate::analysis::decision::{DecisionError, Sheet, decide_at};
+use crate::analysis::decision::{DecisionError, Sheet, decide_at, short};
 use crate::analysis::design::candidates::{Constraints, Cost, keep};
-use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
 use crate::analysis::jackknife::{T_95, of_halves};
 use sagnac_base::quantity::{Dimension, Quantity};
+use sagnac_base::table::{Column, Unit};
 use sagnac_engine::drift::INTERVAL;
 use sagnac_engine::key::sweep::{Sweep, Swept};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
+use sagnac_report::answer::Reading;
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +19,18 @@ pub struct Found {
     pub value: f64,
     /// 95 % interval; absent for too few runs.
     pub interval: Option<(f64, f64)>,
+}
+
+impl Found {
+    /// A value without an interval.
+    pub(crate) fn exact(value: f64) -> Found {
+        Found { value, interval: None }
+    }
+
+    /// The ends of the interval.
+    pub(crate) fn ends(self) -> [Option<f64>; 2] {
+        self.interval.map_or([None; 2], |(low, high)| [Some(low), Some(high)])
+    }
 }
 
 /// The result of the runs at one interval with one filler.
@@ -37,6 +50,18 @@ pub struct Tried {
     pub switched: Found,
     /// Drift without its non-magnetic part in each of these halves.
     pub(crate) switched_halves: Vec<[f64; 2]>,
+}
+
+impl Tried {
+    /// The interval in the unit in which answers show it.
+    pub(crate) fn interval(&self) -> Reading {
+        time("interval", self.interval_s)
+    }
+}
+
+/// A time in the unit in which answers show it.
+pub(crate) fn time(name: &str, time_s: f64) -> Reading {
+    Reading::new(&Column { name: name.to_owned(), unit: Unit::S, ..Column::default() }, time_s, None)
 }
 
 /// The results of one filler, in the order of the intervals.
@@ -62,6 +87,11 @@ pub struct Filler {
 }
 
 impl Filler {
+    /// Its name in tables.
+    pub(crate) fn called(&self) -> &str {
+        self.name.as_deref().unwrap_or("as given")
+    }
+
     /// The result at the best interval.
     pub fn best(&self) -> &Tried {
         &self.tried[self.best]
@@ -145,7 +175,8 @@ impl Design {
         };
         // Each filler at its own best interval, and not at that of the best one.
         if let Some(sheet) = sheet.as_mut().filter(|sheet| self.trades() || sheet.options > 1) {
-            variants::name_in(sheet, self);
+            sheet.options = self.fillers().count();
+            sheet.option = self.named(self.variant(), self.best());
         }
         Ok(sheet)
     }
@@ -200,56 +231,42 @@ pub(crate) fn deciding(variants: &[Variant], tried: &Tried) -> f64 {
     if alike { tried.switched.value } else { tried.drift.value }
 }
 
-/// A filler at its best interval, with the values of swept keys.
-#[derive(Debug, Clone, Copy)]
-pub struct Choice<'a> {
-    /// The variant with these values.
-    pub variant: &'a Variant,
-    /// The filler.
-    pub filler: &'a Filler,
-    /// Its latency and memory.
-    pub cost: Cost,
-}
-
-impl Choice<'_> {
-    /// Its drift, ″/s.
-    pub fn drift(&self) -> Found {
-        self.filler.best().drift
-    }
+/// All fillers of some variants.
+pub(crate) fn fillers_of(variants: &[Variant]) -> impl Iterator<Item = (&Variant, &Filler)> {
+    variants.iter().flat_map(|variant| variant.fillers.iter().map(move |filler| (variant, filler)))
 }
 
 impl Design {
-    /// All fillers of all variants, each at its best interval; none where the study has no fillers.
-    pub fn choices(&self) -> Vec<Choice<'_>> {
-        let mut all = Vec::new();
-        for variant in &self.variants {
-            all.extend(
-                variant
-                    .fillers
-                    .iter()
-                    .filter_map(|filler| Some(Choice { variant, filler, cost: filler.cost? })),
-            );
-        }
-        all
+    /// All fillers of all variants, each at its best interval.
+    pub fn fillers(&self) -> impl Iterator<Item = (&Variant, &Filler)> {
+        fillers_of(&self.variants)
     }
 
-    /// The choices that no other one beats: none has at most the same drift, latency and memory and less of one of them.
-    /// They are in the order of latency, memory and drift.
-    pub fn pareto(&self) -> Vec<Choice<'_>> {
-        let all = self.choices();
-        let merits: Vec<[f64; 3]> = all.iter().map(|choice| self.merits(choice)).collect();
-        let mut front: Vec<([f64; 3], Choice)> =
-            undominated(&merits).into_iter().map(|place| (merits[place], all[place])).collect();
-        front.sort_by(|(a, _), (b, _)| {
-            a[1].total_cmp(&b[1]).then(a[2].total_cmp(&b[2])).then(a[0].total_cmp(&b[0]))
+    /// The fillers that no other one beats: none has at most the same drift, latency and memory and less of one of them; none where
+    /// the study has no fillers. They are in the order of latency, memory and drift.
+    pub fn pareto(&self) -> Vec<(&Variant, &Filler)> {
+        let merits = |filler: &Filler| {
+            let Cost { latency_s, memory } = filler.cost?;
+            Some([latency_s, memory.bytes() as f64, self.deciding(filler.best())])
+        };
+        let (merits, all): (Vec<[f64; 3]>, Vec<_>) =
+            self.fillers().filter_map(|(variant, filler)| Some((merits(filler)?, (variant, filler)))).unzip();
+        let mut front = undominated(&merits);
+        front.sort_by(|&a, &b| {
+            let [a, b] = [a, b].map(|place| merits[place]);
+            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
         });
-        front.into_iter().map(|(_, choice)| choice).collect()
+        front.into_iter().map(|place| all[place]).collect()
     }
 
-    /// The drift by which it is compared, the latency and the memory.
-    fn merits(&self, choice: &Choice) -> [f64; 3] {
-        let Cost { latency_s, memory } = choice.cost;
-        [self.deciding(choice.filler.best()), latency_s, memory.bytes() as f64]
+    /// Names a choice: its filler and the values of swept keys, such as `quadratic, time constant of the loop 3 ms`.
+    pub(crate) fn named(&self, variant: &Variant, filler: &Filler) -> String {
+        let value =
+            |value: &Swept| value.quantity().map_or_else(|| value.to_string(), |quantity| short(quantity, 6));
+        let keys = self.keys();
+        let swept = keys.iter().zip(&variant.swept);
+        let swept = swept.map(|(sweep, (_, swept))| format!("{} {}", sweep.key.label, value(swept)));
+        filler.name.iter().cloned().chain(swept).collect::<Vec<_>>().join(", ")
     }
 }
 

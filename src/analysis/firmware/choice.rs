@@ -1,7 +1,11 @@
 //! The choice of a point of a study, and of its fillers.
 
 use crate::analysis::firmware::design::{Firmware, limit, rules};
+use crate::analysis::firmware::export::HEADER;
 use crate::analysis::firmware::search::{Asked, Trade};
+use crate::analysis::firmware::standalone::Alone;
+use crate::analysis::page;
+use crate::outcome::Outcome;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, Quantity, parse as parse_quantity};
@@ -185,6 +189,66 @@ fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
             Err(format!("no point has {} = {}; {there}", sweep.key.name, asked.trim_end()))
         }
     }
+}
+
+/// The files and charts of fillers beside their page.
+const FILES: [&str; 7] =
+    ["fillers.csv", "weights.csv", "trade.csv", "test_vectors.csv", HEADER, "response", "trade"];
+
+/// What fillers are asked for.
+#[derive(Debug, Clone)]
+pub struct FillerRequest {
+    /// Where the fillers come from.
+    pub source: FillerSource,
+    /// What a searched filler must meet; without it nothing is searched.
+    pub search: Option<Asked>,
+    /// Number of test vectors for each filler, if any.
+    pub vectors: Option<usize>,
+}
+
+/// Where fillers come from.
+#[derive(Debug, Clone)]
+pub enum FillerSource {
+    /// A study with gaps.
+    Study {
+        /// The study.
+        study: Box<Study>,
+        /// Values of swept keys that choose its point, each as `key=value`.
+        at: Vec<String>,
+        /// Names of the fillers; all of the study where there are none.
+        names: Vec<String>,
+    },
+    /// Properties without a study.
+    Alone {
+        /// Kinds of the fillers.
+        kinds: Vec<String>,
+        /// Their properties.
+        properties: Alone,
+    },
+}
+
+/// The weights of fillers at one point: a page with their errors and their response, the C header `sagnac_filler.h`, and test vectors
+/// where they are asked for; with the weights themselves.
+///
+/// # Errors
+/// It fails where [`Firmware::choose`], [`Firmware::searched`] or [`Alone::firmware`] do.
+pub fn filler(request: &FillerRequest) -> Result<(Firmware, Outcome), ChoiceError> {
+    let (study, firmware) = match (&request.source, request.search) {
+        (FillerSource::Alone { kinds, properties }, search) => properties.firmware(kinds, search)?,
+        (FillerSource::Study { study, at, .. }, Some(search)) => Firmware::searched(study, at, search)?,
+        (FillerSource::Study { study, at, names }, None) => {
+            ((**study).clone(), Firmware::choose(study, at, names)?)
+        }
+    };
+    // Vectors of an earlier call are removed, because they may belong to other weights.
+    let outcome = Outcome::new(firmware.heading(), page::of_filler(&study, &firmware)).among(FILES);
+    let mut outcome = Outcome { name: "filler".to_owned(), ..outcome };
+    outcome.files.push((HEADER.to_owned(), firmware.header().into_bytes()));
+    if let Some(count) = request.vectors {
+        let csv = firmware.vectors_csv(&firmware.vectors(count));
+        outcome.files.push(("test_vectors.csv".to_owned(), csv));
+    }
+    Ok((firmware, outcome))
 }
 
 impl Firmware {

@@ -1,7 +1,6 @@
 //! Files for firmware: the C header of a filler, and its test vectors.
 
 use std::fmt::Write as _;
-use std::io;
 
 use crate::analysis::firmware::{Design, Firmware, Rule};
 use rand::rand_core::Rng;
@@ -10,6 +9,9 @@ use sagnac_base::table::{About, Cell, Column, Role, Table};
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
 use sagnac_engine::tally::Id;
 use sagnac_kernel::philox::Philox;
+
+/// Name of the file of the header.
+pub(crate) const HEADER: &str = "sagnac_filler.h";
 
 /// Instructions in the header for using the tables.
 const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit, and are rounded
@@ -241,12 +243,9 @@ impl Firmware {
         Vectors { ticks, inputs }
     }
 
-    /// Writes a line for each filler and vector: the inputs `P[tick]`, then `E[j]` and `I[j]` for each lost tick, their
+    /// A table as CSV with a row for each filler and vector: the inputs `P[tick]`, then `E[j]` and `I[j]` for each lost tick, their
     /// sums and `dP`. Values that a filler does not have are blank.
-    ///
-    /// # Errors
-    /// The errors of the writer.
-    pub fn write_vectors(&self, vectors: &Vectors, to: impl io::Write) -> io::Result<()> {
+    pub fn vectors_csv(&self, vectors: &Vectors) -> Vec<u8> {
         let lost = self.gap_ticks as usize;
         let rows: Vec<Row> = self
             .designs
@@ -281,7 +280,10 @@ impl Firmware {
             of(sum_known, &|row| Cell::Integer(row.known())),
             of(correction, &|row| whole(row.delivered().map(|sum| sum - row.known()))),
         ]);
-        Table { columns }.write_csv(to).map(drop)
+        let mut csv = Vec::new();
+        // Writing to memory cannot fail.
+        let _ = Table { columns }.write_csv(&mut csv);
+        csv
     }
 }
 

@@ -34,11 +34,13 @@ pub(crate) mod report;
 pub mod search;
 pub mod standalone;
 
-pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_point};
+pub use crate::analysis::firmware::choice::{
+    ChoiceError, FillerRequest, FillerSource, choose_fillers, choose_point, filler,
+};
 pub use crate::analysis::firmware::design::{Closed, Design, Firmware, rules};
 pub use crate::analysis::firmware::export::Vectors;
 pub use crate::analysis::firmware::export::identifiers;
 pub use crate::analysis::firmware::fixed_point_filter::Memory;
 pub use crate::analysis::firmware::fixed_point_filter::Rule;
 pub use crate::analysis::firmware::search::{Asked, Candidate, Trade};
-pub use crate::analysis::firmware::standalone::{Alone, KINDS, MINIMUM_VARIANCE};
+pub use crate::analysis::firmware::standalone::{Alone, KINDS, MINIMUM_VARIANCE, in_properties};

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use crate::analysis::firmware::choice::{ChoiceError, undetermined};
 use crate::analysis::firmware::{Asked, Firmware, Trade};
+use miette::Diagnostic;
+use sagnac_base::diagnostics::StudyError;
 use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::reading::capitalized;
@@ -109,6 +111,25 @@ impl Alone {
         }
         Ok((study, firmware))
     }
+}
+
+/// Keys of the study of [`Alone`] with the properties that they have, longer keys first.
+const PROPERTIES: [(&str, &str); 8] = [
+    ("switching.extrapolation_ticks", "extrapolation_ticks"),
+    ("switching.fit_ticks", "fit_ticks"),
+    ("switching.gap_ticks", "gap_ticks"),
+    ("motion.amplitude", "amplitude"),
+    ("motion.frequency", "band"),
+    ("gyro.tick_noise.std", "noise"),
+    ("gyro.tick_noise", "noise"),
+    ("gyro.tick", "tick"),
+];
+
+/// An error of the study of [`Alone`] in terms of its properties as a front end spells them, because nobody knows its text.
+pub fn in_properties(error: &StudyError, spell: impl Fn(&str) -> String) -> String {
+    let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
+    let text = format!("{error}{help}").replace("switching.fillers", "the filler");
+    PROPERTIES.iter().fold(text, |text, (key, property)| text.replace(key, &spell(property)))
 }
 
 /// A text in TOML notation.

@@ -3,6 +3,7 @@
 use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
 use crate::analysis::firmware::design::Closed;
+use crate::analysis::firmware::export::HEADER;
 use crate::analysis::firmware::{Candidate, Firmware, Rule, Trade};
 use crate::analysis::page::{chart, grid, study_file};
 use crate::analysis::sensitivity::Sensitivity;
@@ -61,8 +62,7 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     let fillers = firmware.fillers();
     let of_fillers = std::iter::once(Block::Grid(grid(&fillers, &["largest_input", "method"])));
     let weights = firmware.designs.iter().flat_map(|design| rules(firmware, design));
-    let header =
-        vec![Block::File("sagnac_filler.h".to_owned(), firmware.header()), study_file(study, study.trials)];
+    let header = vec![Block::File(HEADER.to_owned(), firmware.header()), study_file(study, study.trials)];
     let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
     Page {
         title: firmware.title.clone(),
@@ -212,10 +212,23 @@ fn minus(number: &str) -> String {
 pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
     let picture = Picture::Curves(sensitivity::report::figure(study, found));
     let table = sensitivity::report::table(found);
-    let made = Block::Facts(vec![
-        ("Evaluations", vec![sensitivity::report::effort(found)]),
-        ("Seed", vec![study.seed.to_string()]),
-    ]);
+    let rows = found.rows.iter().map(|(column, value)| format!(" --where \"{column}={value}\""));
+    let trials = found.trials.map(|trials| format!(" --trials {trials}")).unwrap_or_default();
+    let command = format!(
+        "sagnac sensitivity study.toml --by {}{} --samples {}{trials}",
+        found.answer.name,
+        rows.collect::<String>(),
+        found.samples
+    );
+    let made = vec![
+        Block::Facts(vec![
+            ("Evaluations", vec![sensitivity::report::effort(found)]),
+            ("Seed", vec![study.seed.to_string()]),
+        ]),
+        Block::Text("To repeat it, save the study as `study.toml` and run".to_owned()),
+        Block::Command(command),
+        study_file(study, study.trials),
+    ];
     Page {
         title: study.title.clone(),
         scope: String::new(),
@@ -225,7 +238,7 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
         sections: vec![
             Section::new("tornado", "The answer as one input varies", [chart("sensitivity", picture)]),
             Section::new("inputs", "Uncertain inputs", [Block::Grid(grid(&table, &["at_from", "at_to"]))]),
-            Section::new("source", "How it was made", [made, study_file(study, study.trials)]),
+            Section::new("source", "How it was made", made),
         ],
         tables: vec![
             ("sensitivity.csv", table),

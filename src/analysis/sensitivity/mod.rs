@@ -8,7 +8,7 @@
 //! of the inputs; an answer in closed form is evaluated without sampling.
 //!
 //! ```
-//! use sagnac::analysis::sensitivity::{Request, sensitivity};
+//! use sagnac::analysis::sensitivity::{Sensitivity, SensitivityRequest};
 //! use sagnac::progress::Silent;
 //! use sagnac::study::Study;
 //! use sagnac::verify::select;
@@ -33,8 +33,9 @@
 //!     uniform = { from = "4 Hz", to = "6 Hz" }
 //! "#)?;
 //! let mut device = select("cpu", 2)?.device;
-//! let asked = Request { by: Some("theory_rms".to_owned()), samples: Some(1024), ..Request::default() };
-//! let found = sensitivity(&study, &asked, &mut device, &Silent)?;
+//! let by = Some("theory_rms".to_owned());
+//! let request = SensitivityRequest { by, samples: Some(1024), ..SensitivityRequest::default() };
+//! let found = Sensitivity::compute(&study, &request, &mut device, &Silent)?;
 //! assert_eq!(found.decisive().key, "gyro.tick_noise.std");
 //! assert!(found.decisive().index.first.value > 0.9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -45,9 +46,11 @@ pub mod report;
 pub(crate) mod sobol;
 
 use crate::analysis::design::Found;
+use crate::analysis::page;
 use crate::analysis::sensitivity::evaluate::{Evaluator, chosen};
 use crate::analysis::sensitivity::report::{count, joined, swings};
 use crate::analysis::sensitivity::sobol::{indices, samples, share};
+use crate::outcome::Outcome;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
@@ -58,13 +61,14 @@ use sagnac_engine::key::sensitivity::{SENSITIVITY, Uncertain};
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::run::{Plan, RunError};
 use sagnac_engine::study::Study;
+use sagnac_report::page::document::Provenance;
 
 pub use crate::analysis::sensitivity::report::Input;
 pub use crate::analysis::sensitivity::sobol::Index;
 
-/// What to analyse.
+/// What a sensitivity is asked for beside its study, which has the seed.
 #[derive(Debug, Clone, Default)]
-pub struct Request {
+pub struct SensitivityRequest {
     /// Column of the points whose value is the answer. If absent, the one by which the study is judged.
     pub by: Option<String>,
     /// Rows of the points, as pairs of a column and its value; those shown by default where a column is not named.
@@ -109,21 +113,6 @@ pub struct Sensitivity {
 /// The levels of the quantiles of the answer.
 pub const LEVELS: [f64; 3] = [0.05, 0.5, 0.95];
 
-impl Sensitivity {
-    /// The input with the largest total index.
-    pub fn decisive(&self) -> &Input {
-        let total = |input: &&Input| input.index.total.value;
-        self.by_total().into_iter().max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(&self.inputs[0])
-    }
-
-    /// The inputs by falling total index.
-    pub fn by_total(&self) -> Vec<&Input> {
-        let mut inputs: Vec<&Input> = self.inputs.iter().collect();
-        inputs.sort_by(|a, b| b.index.total.value.total_cmp(&a.index.total.value));
-        inputs
-    }
-}
-
 /// Samples where none are requested, for an answer in closed form and for a sampled one.
 const SAMPLES: [u64; 2] = [8192, 2048];
 
@@ -136,68 +125,103 @@ const MIN_TRIALS: u64 = 4096;
 /// Part of the variance from which on the Monte Carlo error is reported.
 const REPORTED_NOISE: f64 = 0.01;
 
-/// Evaluates the answer and analyses it; `progress` counts evaluations.
+/// What decides the answer of a study with uncertain inputs: a page with the indices of the inputs, the tornado and the distribution
+/// of the answer. `progress` counts evaluations.
 ///
 /// # Errors
-/// The study has no uncertain inputs or sweeps something, the answer does not exist or is constant, a point cannot be
-/// represented, or the device fails.
+/// It fails where [`Sensitivity::compute`] does.
 pub fn sensitivity(
     study: &Study,
-    asked: &Request,
+    request: &SensitivityRequest,
     device: &mut Device,
     progress: &dyn Progress,
-) -> Result<Sensitivity, SensitivityError> {
-    let uncertain = &study.uncertain;
-    if uncertain.is_empty() {
-        return Err(SensitivityError::NoInputs);
-    }
-    if let Some(sweep) = study.sweeps.first() {
-        return Err(SensitivityError::Swept(sweep.key.name));
-    }
-    let mut study = study.clone();
-    let keys = uncertain.iter().map(|input| input.key).collect();
-    let nominal: Vec<Swept> = uncertain.iter().map(|input| nominal(&study, input)).collect();
-    let (answer, rows, is_exact) = question(&study, asked)?;
-    let samples = samples(asked.samples.unwrap_or(SAMPLES[usize::from(!is_exact)]));
-    let evaluations = samples * (uncertain.len() as u64 + 2) + count(uncertain.len());
-    let usual = ((1 << ALL_TRIALS_LOG2) / evaluations).next_power_of_two().max(MIN_TRIALS);
-    study.trials = asked.trials.unwrap_or(usual);
-    progress.start("evaluations", 0, evaluations);
-    let by = answer.name.clone();
-    let (evaluated, noise) = (0, 0.0);
-    let mut evaluator =
-        Evaluator { study: &study, keys, by, rows, device, progress, is_exact, evaluated, noise };
-    let swings = swings(&mut evaluator, &nominal, uncertain)?;
-    let found = indices(uncertain.len(), samples, study.seed, |points| {
-        let at = |point: &Vec<f64>| uncertain.iter().zip(point).map(|(input, u)| input.at(*u)).collect();
-        evaluator.at(&points.iter().map(at).collect::<Vec<Vec<Swept>>>())
-    })?;
-    let Some(found) = found else {
-        let value = significant(swings.nominal, 4);
-        return Err(SensitivityError::Constant { column: answer.header(), value });
+) -> Result<Outcome, SensitivityError> {
+    let found = Sensitivity::compute(study, request, device, progress)?;
+    let name = match &request.by {
+        Some(_) => format!("sensitivity_{}", found.answer.name),
+        None => "sensitivity".to_owned(),
     };
-    let noise = evaluator.noise / evaluator.evaluated as f64 / (found.sd.value * found.sd.value);
-    let mut all = found.answers.concat();
-    all.sort_by(f64::total_cmp);
-    let quantile = |level: f64| all[((level * all.len() as f64) as usize).min(all.len() - 1)];
-    let limit = limit(&study, &answer);
-    let within = limit.map(|limit| (limit, share(&found.answers, |y| y.abs() <= limit.value)));
-    let rows = evaluator.rows;
-    Ok(Sensitivity {
-        rows,
-        samples,
-        evaluations,
-        trials: (!is_exact).then_some(study.trials),
-        nominal: swings.nominal,
-        mean: found.mean,
-        sd: found.sd,
-        quantiles: LEVELS.map(quantile),
-        within,
-        noise,
-        notes: notes(&study, uncertain, noise),
-        inputs: joined(uncertain, &nominal, &found, swings),
-        answer,
-    })
+    let heading = format!("{} · {}", study.title, report::effort(&found));
+    let provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
+    Ok(Outcome { name, provenance, ..Outcome::new(heading, page::of_sensitivity(study, &found)) })
+}
+
+impl Sensitivity {
+    /// Evaluates the answer and analyses it; `progress` counts evaluations.
+    ///
+    /// # Errors
+    /// The study has no uncertain inputs or sweeps something, the answer does not exist or is constant, a point cannot be
+    /// represented, or the device fails.
+    pub fn compute(
+        study: &Study,
+        request: &SensitivityRequest,
+        device: &mut Device,
+        progress: &dyn Progress,
+    ) -> Result<Sensitivity, SensitivityError> {
+        let uncertain = &study.uncertain;
+        if uncertain.is_empty() {
+            return Err(SensitivityError::NoInputs);
+        }
+        if let Some(sweep) = study.sweeps.first() {
+            return Err(SensitivityError::Swept(sweep.key.name));
+        }
+        let mut study = study.clone();
+        let keys = uncertain.iter().map(|input| input.key).collect();
+        let nominal: Vec<Swept> = uncertain.iter().map(|input| nominal(&study, input)).collect();
+        let (answer, rows, is_exact) = question(&study, request)?;
+        let samples = samples(request.samples.unwrap_or(SAMPLES[usize::from(!is_exact)]));
+        let evaluations = samples * (uncertain.len() as u64 + 2) + count(uncertain.len());
+        let usual = ((1 << ALL_TRIALS_LOG2) / evaluations).next_power_of_two().max(MIN_TRIALS);
+        study.trials = request.trials.unwrap_or(usual);
+        progress.start("evaluations", 0, evaluations);
+        let by = answer.name.clone();
+        let (evaluated, noise) = (0, 0.0);
+        let mut evaluator =
+            Evaluator { study: &study, keys, by, rows, device, progress, is_exact, evaluated, noise };
+        let swings = swings(&mut evaluator, &nominal, uncertain)?;
+        let found = indices(uncertain.len(), samples, study.seed, |points| {
+            let at = |point: &Vec<f64>| uncertain.iter().zip(point).map(|(input, u)| input.at(*u)).collect();
+            evaluator.at(&points.iter().map(at).collect::<Vec<Vec<Swept>>>())
+        })?;
+        let Some(found) = found else {
+            let value = significant(swings.nominal, 4);
+            return Err(SensitivityError::Constant { column: answer.header(), value });
+        };
+        let noise = evaluator.noise / evaluator.evaluated as f64 / (found.sd.value * found.sd.value);
+        let mut all = found.answers.concat();
+        all.sort_by(f64::total_cmp);
+        let quantile = |level: f64| all[((level * all.len() as f64) as usize).min(all.len() - 1)];
+        let limit = limit(&study, &answer);
+        let within = limit.map(|limit| (limit, share(&found.answers, |y| y.abs() <= limit.value)));
+        let rows = evaluator.rows;
+        Ok(Sensitivity {
+            rows,
+            samples,
+            evaluations,
+            trials: (!is_exact).then_some(study.trials),
+            nominal: swings.nominal,
+            mean: found.mean,
+            sd: found.sd,
+            quantiles: LEVELS.map(quantile),
+            within,
+            noise,
+            notes: notes(&study, uncertain, noise),
+            inputs: joined(uncertain, &nominal, &found, swings),
+            answer,
+        })
+    }
+
+    /// The input with the largest total index.
+    pub fn decisive(&self) -> &Input {
+        self.by_total()[0]
+    }
+
+    /// The inputs by falling total index; there is at least one.
+    pub fn by_total(&self) -> Vec<&Input> {
+        let mut inputs: Vec<&Input> = self.inputs.iter().collect();
+        inputs.sort_by(|a, b| b.index.total.value.total_cmp(&a.index.total.value));
+        inputs
+    }
 }
 
 /// The value of an input that the study writes, else its median.
@@ -212,18 +236,18 @@ fn nominal(study: &Study, input: &Uncertain) -> Swept {
 type Question = (Column, Vec<(String, String)>, bool);
 
 /// The question that is asked of the study.
-fn question(study: &Study, asked: &Request) -> Result<Question, SensitivityError> {
+fn question(study: &Study, request: &SensitivityRequest) -> Result<Question, SensitivityError> {
     let table = Plan::new(study)?.blank_tables().points;
-    let name = match &asked.by {
+    let name = match &request.by {
         Some(name) => name,
         None => &table.usual(Usual::Answer).ok_or(SensitivityError::NoAnswer)?.name,
     };
-    let mut rows = asked.rows.clone();
+    let mut rows = request.rows.clone();
     for (column, value) in study.usual_rows() {
         let own = table.column(&column)?;
         let is_same =
             |(name, _): &(String, String)| table.column(name).is_ok_and(|other| other.name == own.name);
-        if !asked.rows.iter().any(is_same) {
+        if !request.rows.iter().any(is_same) {
             rows.push((column, value));
         }
     }

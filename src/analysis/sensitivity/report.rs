@@ -35,17 +35,17 @@ pub(crate) fn columns<'a>() -> Vec<Of<'a>> {
         Of::new("first", Unit::NONE, "first-order index", |input| input.index.first.value.into())
             .is(Role::Estimate, "First-order Sobol' index: the part of the variance of the answer that the input explains alone.")
             .within(|input| input.index.first.interval),
-        Of::new("first_lo", Unit::NONE, "lower end", |input| ends(input.index.first)[0].into())
+        Of::new("first_lo", Unit::NONE, "lower end", |input| input.index.first.ends()[0].into())
             .is_of("first", Role::Lower, "Lower end of the 95 % interval of `first`."),
-        Of::new("first_hi", Unit::NONE, "upper end", |input| ends(input.index.first)[1].into())
+        Of::new("first_hi", Unit::NONE, "upper end", |input| input.index.first.ends()[1].into())
             .is_of("first", Role::Upper, "Upper end of the 95 % interval of `first`."),
         Of::new("total", Unit::NONE, "total index", |input| input.index.total.value.into())
             .is(Role::Estimate, "Total Sobol' index: the part of the variance of the answer that would remain if only this input were uncertain \
                 and all others known, on average; it contains the interactions of the input.")
             .within(|input| input.index.total.interval),
-        Of::new("total_lo", Unit::NONE, "lower end", |input| ends(input.index.total)[0].into())
+        Of::new("total_lo", Unit::NONE, "lower end", |input| input.index.total.ends()[0].into())
             .is_of("total", Role::Lower, "Lower end of the 95 % interval of `total`."),
-        Of::new("total_hi", Unit::NONE, "upper end", |input| ends(input.index.total)[1].into())
+        Of::new("total_hi", Unit::NONE, "upper end", |input| input.index.total.ends()[1].into())
             .is_of("total", Role::Upper, "Upper end of the 95 % interval of `total`."),
         Of::new("at_from", Unit::NONE, "answer at from", |input| input.ends[0].into())
             .is(Role::Estimate, "The answer with the input at `from` and the others at their nominal values."),
@@ -62,7 +62,7 @@ pub(crate) fn columns<'a>() -> Vec<Of<'a>> {
 const OF_ANSWER: [&str; 4] = ["at_from", "at_to", "least", "greatest"];
 
 /// The table of all inputs, by falling total index.
-pub fn table(found: &Sensitivity) -> Table {
+pub(crate) fn table(found: &Sensitivity) -> Table {
     let mut columns = columns_of(&columns(), &found.by_total());
     for column in columns.iter_mut().filter(|column| OF_ANSWER.contains(&column.name.as_str())) {
         column.unit = found.answer.unit;
@@ -85,9 +85,9 @@ pub(crate) fn distribution_columns() -> Vec<ColumnOf<Number>> {
         Of::new("value", Unit::NONE, "value", |(_, found, _)| found.value.into())
             .is(Role::Estimate, "The number, in `unit`.")
             .within(|(_, found, _)| found.interval),
-        Of::new("lower", Unit::NONE, "lower end", |(_, found, _)| ends(*found)[0].into())
+        Of::new("lower", Unit::NONE, "lower end", |(_, found, _)| found.ends()[0].into())
             .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
-        Of::new("upper", Unit::NONE, "upper end", |(_, found, _)| ends(*found)[1].into())
+        Of::new("upper", Unit::NONE, "upper end", |(_, found, _)| found.ends()[1].into())
             .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`."),
         Of::new("unit", Unit::NONE, "unit", |(.., unit)| (*unit).into())
             .is(Role::Note, "Unit of `value`; empty for parts and pure numbers."),
@@ -95,23 +95,22 @@ pub(crate) fn distribution_columns() -> Vec<ColumnOf<Number>> {
 }
 
 /// The distribution of the answer as a table.
-pub fn distribution(found: &Sensitivity) -> Table {
-    let exact = |value| Found { value, interval: None };
+pub(crate) fn distribution(found: &Sensitivity) -> Table {
     let quantiles = LEVELS.iter().zip(found.quantiles);
-    let quantiles = quantiles.map(|(level, value)| (format!("quantile_{level}"), exact(value)));
-    let of_answer = [("nominal", exact(found.nominal)), ("mean", found.mean), ("sd", found.sd)];
+    let quantiles = quantiles.map(|(level, value)| (format!("quantile_{level}"), Found::exact(value)));
+    let of_answer = [("nominal", Found::exact(found.nominal)), ("mean", found.mean), ("sd", found.sd)];
     let of_answer = of_answer.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(quantiles);
     let within = found.within.map(|(_, part)| ("within_limit", part)).into_iter();
     let counts = [("samples", found.samples), ("evaluations", found.evaluations)];
-    let counts = counts.map(|(name, count)| (name, exact(count as f64)));
-    let others = within.chain([("noise", exact(found.noise))]).chain(counts);
+    let counts = counts.map(|(name, count)| (name, Found::exact(count as f64)));
+    let others = within.chain([("noise", Found::exact(found.noise))]).chain(counts);
     let others = others.map(|(name, value)| (name.to_owned(), value, ""));
     let of_answer = of_answer.map(|(name, value)| (name, value, found.answer.unit.symbol));
     Table { columns: columns_of(&distribution_columns(), &of_answer.chain(others).collect::<Vec<_>>()) }
 }
 
 /// How the answer was evaluated, in one line.
-pub fn effort(found: &Sensitivity) -> String {
+pub(crate) fn effort(found: &Sensitivity) -> String {
     let (evaluations, samples) = (found.evaluations, found.samples);
     match found.trials {
         None => format!("{evaluations} evaluations in closed form for {samples} samples"),
@@ -120,7 +119,7 @@ pub fn effort(found: &Sensitivity) -> String {
 }
 
 /// The tornado chart: a bar for each input from the least to the largest answer between its 5 % and its 95 % quantile, the longest on top.
-pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
+pub(crate) fn figure(study: &Study, found: &Sensitivity) -> Drawing {
     /// Half the height of a bar, where inputs are 1 apart.
     const HALF: f64 = 0.3;
     let swing = |input: &&Input| input.swing[1] - input.swing[0];
@@ -133,13 +132,8 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
         LawLine { colours: vec![0], points: corners.into() }
     };
     let ends = |style: usize| {
-        let point = |(row, input): (f64, &&Input)| SeriesPoint {
-            x: input.ends[style - 1],
-            y: row,
-            band: None,
-            key: None,
-        };
-        Series { colour: style, dash: style, points: rows().map(point).collect(), law: vec![] }
+        let point = |(row, input): (f64, &&Input)| SeriesPoint::new(input.ends[style - 1], row);
+        Series::of_points(style, rows().map(point).collect())
     };
     let unit = found.answer.unit.symbol;
     let label = |shape: Shape, place: (f64, f64)| Mark {
@@ -188,11 +182,6 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
         chosen: found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect(),
         ..Drawing::default()
     }
-}
-
-/// The ends of the interval of a value.
-fn ends(found: Found) -> [Option<f64>; 2] {
-    found.interval.map_or([None; 2], |(low, high)| [Some(low), Some(high)])
 }
 
 /// A part of the variance in percent, which sampling may have left outside 0 to 100.
@@ -264,34 +253,24 @@ impl Sensitivity {
     }
 
     fn facts(&self) -> Vec<Fact> {
-        let value = |name: &str, value: Reading, at: &str| Fact::Value {
-            name: name.to_owned(),
-            value,
-            at: at.to_owned(),
-        };
         let [least, median, most] = self.quantiles;
         let mut facts = vec![
-            value("Nominal", self.reading(self.nominal, None), ""),
-            value("Median", self.reading(median, Some((least, most))), "5 % to 95 % of answers"),
+            Fact::value("Nominal", self.reading(self.nominal, None), ""),
+            Fact::value("Median", self.reading(median, Some((least, most))), "5 % to 95 % of answers"),
         ];
         if let Some((_, part)) = &self.within {
             let part = Reading { interval: None, ..share(*part) };
-            facts.push(value("Within the limit", part, "of answers"));
+            facts.push(Fact::value("Within the limit", part, "of answers"));
         }
         let unexplained = 1.0 - self.inputs.iter().map(|input| input.index.first.value).sum::<f64>();
         if percent_of(unexplained.max(0.0)) != percent_of(0.0) {
-            let interval = None;
-            facts.push(value(
-                "Interactions",
-                share(Found { value: unexplained, interval }),
-                "of the variance",
-            ));
+            facts.push(Fact::value("Interactions", share(Found::exact(unexplained)), "of the variance"));
         }
         facts.extend(self.most_effective());
         if !self.rows.is_empty() {
             let rows: Vec<String> =
                 self.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect();
-            facts.push(Fact::Caveat { text: format!("only rows with {}", rows.join(", ")) });
+            facts.push(Fact::caveat(format!("only rows with {}", rows.join(", "))));
         }
         facts
     }

@@ -122,6 +122,11 @@ pub struct Series {
 }
 
 impl Series {
+    /// Points of one style without a closed form.
+    pub fn of_points(style: usize, points: Vec<SeriesPoint>) -> Series {
+        Series { colour: style, dash: style, points, law: vec![] }
+    }
+
     /// Whether it has a closed form that is a line.
     pub fn has_law(&self) -> bool {
         self.law.len() > 1
@@ -150,6 +155,13 @@ pub struct SeriesPoint {
     pub key: Option<f64>,
 }
 
+impl SeriesPoint {
+    /// A point without an interval.
+    pub fn new(x: f64, y: f64) -> SeriesPoint {
+        SeriesPoint { x, y, band: None, key: None }
+    }
+}
+
 /// A law that is not the closed form of the curves, such as a published one, drawn as broad pale lines or as areas under them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Law {
@@ -159,6 +171,13 @@ pub struct Law {
     pub lines: Vec<LawLine>,
     /// Whether each line is the outline of an area.
     pub is_area: bool,
+}
+
+impl Law {
+    /// A law of a single line, which is that of no curve.
+    pub fn line(label: String, points: Vec<(f64, f64)>) -> Law {
+        Law { label, lines: vec![LawLine { colours: vec![], points }], is_area: false }
+    }
 }
 
 /// One line of a law.
