@@ -7,16 +7,13 @@ use pyo3::types::PyDict;
 use sagnac::allan::angles::Trend;
 use sagnac::analysis::compare::logs::RatioLimit;
 use sagnac::analysis::design::filler_search::band as band_of;
-use sagnac::analysis::design::{
-    Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
-};
+use sagnac::analysis::design::{Constraints, DesignError, DesignRequest, Measure, Search, design as find};
 use sagnac::analysis::log::{NoiseRequest, Treatment};
 use sagnac::analysis::model::writers::named;
 use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
 use sagnac::analysis::navigators::NavigatorRequest;
-use sagnac::analysis::page;
 use sagnac::analysis::requirement::{Limit, Limited};
-use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as decide};
+use sagnac::analysis::sensitivity::{SensitivityError, SensitivityRequest, sensitivity as decide};
 use sagnac::analysis::use_cases::{
     self, AllanRequest, BatchRequest, CompareRequest, ModelSource, Segments, compare_logs, compare_units,
     model_noise,
@@ -26,7 +23,6 @@ use sagnac::outcome::Outcome;
 use sagnac::progress::Silent;
 use sagnac::quantity::Dimension;
 use sagnac::report::chart::Picture;
-use sagnac::report::page::document::Provenance;
 use sagnac::run::RunError;
 use sagnac::verify::select;
 
@@ -105,14 +101,11 @@ pub fn design<'py>(
         listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)))?;
         let found = found.map_err(|error| match error.in_study(&study) {
             Ok(error) => Failure::Study(error),
-            Err(error) => Failure::Run(RunError::Gpu(error)),
+            Err(DesignError::Gpu(error)) => Failure::Run(RunError::Gpu(error)),
+            Err(DesignError::Decision(error)) => error.into(),
+            Err(error) => Failure::Usage(error.to_string()),
         })?;
-        let figure = design_report::figure(&found);
-        let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
-        let sheet = found.sheet()?;
-        let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
-        let provenance = Some(Provenance::new(study.seed, found.trials));
-        Ok(Outcome { provenance, ..Outcome::new(String::new(), page) })
+        Ok(found)
     })?;
     in_dict(py, found)
 }
@@ -139,17 +132,15 @@ pub fn sensitivity<'py>(
         let mut study = study_of(path.as_deref(), &text)?;
         study.seed = seed.unwrap_or(study.seed);
         let mut device = select(&device, threads)?.device;
-        let asked = Request { by, rows, samples, trials };
-        let found = decide(&study, &asked, &mut device, &listener);
+        let request = SensitivityRequest { by, rows, samples, trials };
+        let found = decide(&study, &request, &mut device, &listener);
         listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)))?;
         let found = found.map_err(|error| match error.in_study(&study) {
             Ok(error) => Failure::Study(error),
             Err(SensitivityError::Run(error)) => Failure::Run(error),
             Err(error) => Failure::Usage(in_python(&error.to_string())),
         })?;
-        let provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
-        let page = page::of_sensitivity(&study, &found);
-        Ok(Outcome { provenance, ..Outcome::new(String::new(), page) })
+        Ok(found)
     })?;
     in_dict(py, found)
 }

@@ -4,12 +4,9 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::firmware::choice::ChoiceError;
-use sagnac::analysis::firmware::design::Firmware;
-use sagnac::analysis::firmware::search::Asked;
-use sagnac::analysis::firmware::standalone::{Alone, KINDS};
-use sagnac::analysis::page::of_filler;
-use sagnac::diagnostics::StudyError;
+use sagnac::analysis::firmware::{
+    Alone, Asked, ChoiceError, FillerRequest, FillerSource, Firmware, KINDS, filler, in_properties,
+};
 use sagnac::outcome::Outcome;
 use sagnac::quantity::Dimension;
 use sagnac::study::Study;
@@ -44,25 +41,6 @@ fn asked((limit, latency): Searched) -> Result<Option<Asked>, Failure> {
     Ok(limit.or(latency).is_some().then_some(Asked { limit_arcsec: limit, latency_s: latency }))
 }
 
-/// Keys of the resulting study with the corresponding arguments; longer keys first.
-const NAMES: [(&str, &str); 9] = [
-    ("switching.extrapolation_ticks", "extrapolation_ticks"),
-    ("switching.fit_ticks", "fit_ticks"),
-    ("switching.gap_ticks", "gap_ticks"),
-    ("switching.fillers", "the filler"),
-    ("motion.amplitude", "amplitude"),
-    ("motion.frequency", "band"),
-    ("gyro.tick_noise.std", "noise"),
-    ("gyro.tick_noise", "noise"),
-    ("gyro.tick", "tick"),
-];
-
-/// An error of that study in terms of the arguments, because the user does not know its text.
-fn in_arguments(error: &StudyError) -> Failure {
-    let help = miette::Diagnostic::help(error).map_or_else(String::new, |help| format!("\n{help}"));
-    Failure::Usage(NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name)))
-}
-
 /// The weights of fillers of these kinds.
 #[pyfunction]
 pub fn of_kinds<'py>(
@@ -79,13 +57,16 @@ pub fn of_kinds<'py>(
             )));
         }
         let Made { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise } = made;
-        let alone = Alone { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise };
-        alone.firmware(&kinds, asked(searched)?).map_err(|error| match error {
-            ChoiceError::Study(error) => in_arguments(&error),
+        let properties = Alone { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise };
+        let source = FillerSource::Alone { kinds, properties };
+        let request = FillerRequest { source, search: asked(searched)?, vectors: None };
+        filler(&request).map_err(|error| match error {
+            // Nobody knows the text of this study.
+            ChoiceError::Study(error) => Failure::Usage(in_properties(&error, str::to_owned)),
             other => other.into(),
         })
     })?;
-    document(py, &found)
+    document(py, found)
 }
 
 /// The weights of fillers of a study at one of its points.
@@ -98,22 +79,17 @@ pub fn of_study<'py>(
     searched: Searched,
 ) -> PyResult<Bound<'py, PyDict>> {
     let found = compute(py, || {
-        let study = Study::read(&path)?;
-        Ok(match asked(searched)? {
-            Some(asked) => Firmware::searched(&study, &at, asked)?,
-            None => {
-                let firmware = Firmware::choose(&study, &at, &fillers)?;
-                (study, firmware)
-            }
-        })
+        let source = FillerSource::Study { study: Box::new(Study::read(&path)?), at, names: fillers };
+        Ok(filler(&FillerRequest { source, search: asked(searched)?, vectors: None })?)
     })?;
-    document(py, &found)
+    document(py, found)
 }
 
-fn document<'py>(py: Python<'py>, (study, firmware): &(Study, Firmware)) -> PyResult<Bound<'py, PyDict>> {
-    let files = vec![("sagnac_filler.h".to_owned(), firmware.header().into_bytes())];
-    let outcome = Outcome { files, ..Outcome::new(firmware.heading(), of_filler(study, firmware)) };
-    let document = in_dict(py, outcome)?;
+fn document<'py>(
+    py: Python<'py>,
+    (firmware, found): (Firmware, Outcome),
+) -> PyResult<Bound<'py, PyDict>> {
+    let document = in_dict(py, found)?;
     document.set_item(
         "at",
         firmware.at.iter().map(|(key, value)| (key.name, value.to_string())).collect::<Vec<_>>(),

@@ -17,7 +17,6 @@ pub mod navigators;
 pub(crate) mod notch;
 pub mod page;
 pub mod requirement;
-pub(crate) mod role;
 pub mod sensitivity;
 pub(crate) mod shape;
 pub mod spectrum;

@@ -1,6 +1,5 @@
 //! A figure from a table and the specification of its chart.
 
-use crate::view::mixed::check_curves;
 use crate::view::stack::Shown;
 use sagnac_base::table::{Cell, Column, Role, Table, Unit, grouped};
 use sagnac_engine::chart::{self, Chart};
@@ -113,6 +112,7 @@ pub fn figure(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartErro
     figure.merge_laws();
     Ok((figure, notes))
 }
+
 /// The column with that name, if it holds numbers.
 pub(crate) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     let column = table.column(name)?;
@@ -229,6 +229,61 @@ fn with_gaps(column: &Column, rows: &[usize], place: impl Fn(usize) -> Option<f6
 /// The values of a column over the places of some rows.
 fn along(column: &Column, rows: &[usize], place: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)> {
     rows.iter().filter_map(|&row| place(row).zip(column.cells[row].number())).collect()
+}
+
+/// Refuses curves along which more than one of the columns that distinguish rows varies, or whose abscissa is constant
+/// while one of them varies.
+///
+/// # Errors
+/// A column is missing, or a curve is refused; the error is for the first such curve.
+fn check_curves(
+    table: &Table,
+    chart: &Chart,
+    series: &[String],
+    rows: &[usize],
+) -> Result<(), ChartError> {
+    let columns =
+        |names: &[String]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
+    let (x, series, apart) = (table.column(&chart.x.name)?, columns(series)?, columns(&chart.apart)?);
+    let texts = |row: usize| series.iter().map(|column| column.cells[row].text()).collect::<Vec<_>>();
+    let curves = grouped(rows.iter().copied(), texts);
+    // The key with which x varies; for an estimate that of the first coordinate.
+    let coordinate = |column: &&Column| column.role == Role::Coordinate && !column.of.is_empty();
+    let base = Some(x).filter(coordinate).or_else(|| table.columns.iter().find(coordinate));
+    let base = base.map_or("", |column| column.of.as_str());
+    let mixed = curves.iter().find_map(|(_, rows)| Some((rows[0], mixed(x, base, &apart, rows)?)));
+    let Some((row, (column, values))) = mixed else { return Ok(()) };
+    let names: Vec<String> = series.iter().map(|column| column.valued(&column.cells[row].text())).collect();
+    let (curve, column) = (names.join(", "), column.name.clone());
+    Err(ChartError::MixedCurve { curve, column, values: values.into() })
+}
+
+/// The other column that varies along the rows of one curve, with two of its values.
+fn mixed<'t>(
+    x: &Column,
+    base: &str,
+    apart: &[&'t Column],
+    rows: &[usize],
+) -> Option<(&'t Column, [String; 2])> {
+    let differ = |column: &Column, a: usize, b: usize| column.cells[a] != column.cells[b];
+    let found = |column: &'t Column, a: usize, b: usize| (column, [a, b].map(|row| column.cells[row].text()));
+    let mut varying: Vec<(&Column, usize)> = apart
+        .iter()
+        .filter_map(|column| Some((*column, *rows.iter().find(|&&row| differ(column, rows[0], row))?)))
+        .collect();
+    let named = |name: &str| varying.iter().position(|(column, _)| column.name == name);
+    let along = named(&x.name).or_else(|| named(base));
+    let along = (!varying.is_empty()).then(|| varying.remove(along.unwrap_or(0)));
+    if let Some((column, row)) = varying.first() {
+        return Some(found(column, rows[0], *row));
+    }
+    // An x that is constant while another column varies; an estimate may be constant by chance.
+    let (column, row) = along?;
+    // A value that follows from the study is not constant by chance.
+    let coordinate = x.role == Role::Coordinate || apart.iter().any(|column| column.name == x.name);
+    let known = x.cells[rows[0]] != Cell::Blank;
+    let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
+    still.then(|| found(column, rows[0], row))
 }
 
 #[cfg(test)]

@@ -45,6 +45,5 @@
 
 pub mod from_table;
 pub mod map_from_table;
-mod mixed;
 pub mod picture;
 pub mod stack;

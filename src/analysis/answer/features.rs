@@ -1,6 +1,7 @@
 //! Answers from features of curves: where records show a coefficient, minima, and peaks.
 
-use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, joined_names, table};
+use crate::analysis::answer::options::{Least, curves_at_least, heading, sort_best_first};
+use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table};
 use crate::analysis::notch::Notches;
 use sagnac_base::table::{Column, between};
 use sagnac_engine::kinds::allan::columns::is_absent;
@@ -15,12 +16,7 @@ pub(super) fn outline_of_detection(question: &Question, x: &Column) -> Outline {
     let (mut lines, mut marks) = (Vec::new(), Vec::new());
     let mut told: Option<(String, f64, bool)> = None;
     for choice in question.choices() {
-        let rows: Vec<usize> = choice
-            .rows
-            .concat()
-            .into_iter()
-            .filter(|&row| question.y.cells[row].number().is_some())
-            .collect();
+        let rows = question.known(&choice.rows.concat());
         let is_more = |row: usize| question.y.value(row) >= HALF;
         let passes = rows.windows(2).find(|pair| is_more(pair[0]) != is_more(pair[1]));
         let most = rows.iter().map(|&row| question.y.value(row)).reduce(f64::max);
@@ -72,45 +68,31 @@ pub(super) fn outline_of_detection(question: &Question, x: &Column) -> Outline {
 const MAX_WORDS: usize = 5;
 
 pub(super) fn outline_of_minimum(question: &Question, x: &Column) -> Outline {
-    let (choices, conditions) = (question.choices(), question.columns());
-    let notches =
-        Notches::of(x, question.y, choices.iter().flat_map(|choice| choice.rows.iter().map(Vec::as_slice)));
-    let mut found: Vec<(String, String, bool, usize, &[usize])> = Vec::new();
-    for choice in &choices {
-        for (rows, condition) in choice.rows.iter().zip(&conditions) {
-            let known = rows
-                .iter()
-                .copied()
-                .filter(|&row| question.y.cells[row].number().is_some() && !notches.are_at(x.value(row)));
-            let Some(row) = known.min_by(|&a, &b| question.size(a).total_cmp(&question.size(b))) else {
-                continue;
-            };
-            let named = |name: &str| joined_names(name, condition);
-            found.push((named(&choice.name), named(&choice.long), choice.is_usable, row, rows));
-        }
-    }
-    found.sort_by(|a, b| b.2.cmp(&a.2).then(question.size(a.3).total_cmp(&question.size(b.3))));
-    let line = |(name, _, is_usable, row, _): &(String, String, bool, usize, &[usize])| {
-        let least = question.reading(*row);
-        let interval = least.interval_text().unwrap_or_default();
-        let cells =
-            vec![least.into(), AnswerCell::from(interval), Reading::new(x, x.value(*row), None).into()];
-        Line { name: name.clone(), is_usable: *is_usable, cells }
+    let choices = question.choices();
+    let curves = choices.iter().flat_map(|choice| choice.rows.iter().map(Vec::as_slice));
+    let notches = Notches::of(x, question.y, curves);
+    let mut found = curves_at_least(question, x, &choices, |place| notches.are_at(place));
+    sort_best_first(question, &mut found);
+    let line = |least: &Least| {
+        let value = question.reading(least.row);
+        let interval = value.interval_text().unwrap_or_default();
+        let cells = vec![value.into(), interval.into(), Reading::new(x, x.value(least.row), None).into()];
+        Line { name: least.name.clone(), is_usable: least.is_usable, cells }
     };
     let lines = found.iter().map(line).collect();
-    let mark = |(.., row, rows): &(String, String, bool, usize, &[usize])| {
-        Named::at(rows, x.value(*row), Shape::Extremum, question.reading(*row).text())
+    let mark = |least: &Least| {
+        let label = question.reading(least.row).text();
+        Named::at(&least.rows, x.value(least.row), Shape::Extremum, label)
     };
     let marks = found.iter().take(MAX_ROWS).map(mark).collect();
-    let labels = question.options.iter().chain(&question.conditions).map(|column| column.label.as_str());
     let columns = vec![
-        labels.collect::<Vec<_>>().join(", "),
+        heading(question),
         format!("least {}", question.label()),
         "95 % interval".to_owned(),
         format!("at {}", x.label),
     ];
     let (headline, value) = match found.first() {
-        Some((name, long, _, row, _)) => {
+        Some(Least { name, long, row, .. }) => {
             let value = question.reading(*row);
             let long = if long.split(' ').count() > MAX_WORDS { name } else { long };
             (

@@ -5,8 +5,8 @@ use sagnac_base::table::{Column, Window, windows};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, joined, number, range, span, symbol};
 use sagnac_report::answer::{AnswerCell, AnswerTable, Kind, MAX_COLUMNS, MAX_ROWS, Relation};
-use sagnac_report::chart::figure::{Axis, Shape};
-use sagnac_report::chart::map::{Cells, Map};
+use sagnac_report::chart::figure::{Axis, Entry, Shape};
+use sagnac_report::chart::map::{Cells, Map, Won};
 
 /// The stretches of a curve that are within the limit.
 struct Extent {
@@ -116,8 +116,7 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
 }
 
 fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Extent {
-    let known: Vec<usize> =
-        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+    let known = question.known(rows);
     let mut windows = windows(question.table, x, &known, limit.value, |row| question.y.value(row));
     // Beyond values that are missing, nothing is known.
     let [first, last] = [known.first(), known.last()].map(|row| row.map(|&row| x.value(row)));
@@ -147,8 +146,7 @@ fn interval(
     limit: Limit,
     extent: &Extent,
 ) -> Option<[f64; 2]> {
-    let known: Vec<usize> =
-        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+    let known = question.known(rows);
     let end = |window: &Window| match window {
         [None, Some(end)] | [Some(end), None] => Some(*end),
         _ => None,
@@ -210,27 +208,22 @@ fn place(x: &Column, window: Window) -> String {
 
 pub(super) fn of_map(map: &Map) -> Option<Outline> {
     match &map.cells {
-        Cells::Winners { of, won, .. } => {
-            let names: Vec<(usize, &str)> =
-                of.entries.iter().map(|entry| (entry.style, entry.name.as_str())).collect();
-            let styles: Vec<Option<usize>> = won.iter().map(|won| won.map(|won| won.style)).collect();
-            winners(map, &names, &styles)
-        }
+        Cells::Winners { of, won, .. } => winners(map, &of.entries, won),
         Cells::Values(values) => of_values(map, values),
     }
 }
 
 /// For places along x, the values of y at which each option has the least value.
-fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<Outline> {
+fn winners(map: &Map, options: &[Entry], won: &[Option<Won>]) -> Option<Outline> {
     let (columns, rows) = (map.columns.len(), map.rows.len());
-    let count = |style: usize| won.iter().flatten().filter(|&&other| other == style).count();
-    let mut shown: Vec<(usize, &str)> =
-        names.iter().copied().filter(|&(style, _)| count(style) > 0).collect();
+    let wins = |style: usize| move |won: &Option<Won>| won.is_some_and(|won| won.style == style);
+    let count = |option: &Entry| won.iter().filter(|won| wins(option.style)(won)).count();
+    let mut shown: Vec<&Entry> = options.iter().filter(|option| count(option) > 0).collect();
     // The option that wins less often is told, as the others win everywhere else.
-    shown.sort_by_key(|&(style, _)| count(style));
+    shown.sort_by_key(|option| count(option));
     let places = sampled(columns, 0);
     let stretch = |style: usize, column: usize| {
-        let wins: Vec<usize> = (0..rows).filter(|row| won[row * columns + column] == Some(style)).collect();
+        let wins: Vec<usize> = (0..rows).filter(|row| wins(style)(&won[row * columns + column])).collect();
         let (Some(&first), Some(&last)) = (wins.first(), wins.last()) else {
             return ("never".to_owned(), None);
         };
@@ -245,20 +238,10 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
             _ => (range(&number(y(first)), &number(y(last))), None),
         }
     };
-    let line = |&(style, name): &(usize, &str)| {
-        let cells = places.iter().map(|&column| AnswerCell::from(stretch(style, column).0));
-        std::iter::once(AnswerCell::from(name.to_owned())).chain(cells).collect()
-    };
-    let table = AnswerTable {
-        columns: std::iter::once(format!("least {} by {}", map.z.label, map.y.label))
-            .chain(places.iter().map(|&column| valued(&map.x, map.columns[column])))
-            .collect(),
-        rows: shown.iter().map(line).collect(),
-        best: None,
-        omitted: 0,
-        are_places: true,
-    };
-    let (style, name) = *shown.first()?;
+    let row = |option: &&Entry| (option.name.clone(), option.style);
+    let heading = format!("least {} by {}", map.z.label, map.y.label);
+    let table = by_place(map, heading, shown.iter().map(row), |style, column| stretch(style, column).0);
+    let &Entry { style, ref name } = *shown.first()?;
     // Where it begins to win at the lowest y, of the places in the table.
     let begins = places.iter().filter_map(|&column| Some((column, stretch(style, column).1?)));
     let (headline, value) = match begins.min_by_key(|&(_, row)| row) {
@@ -274,9 +257,30 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
             };
             (headline("", &text), Some(value))
         }
-        _ => (headline("", &format!("{} has the least {} most often", shown.last()?.1, map.z.label)), None),
+        _ => (headline("", &format!("{} has the least {} most often", shown.last()?.name, map.z.label)), None),
     };
     Some(Outline { kind: Kind::Map, headline, value, table, met: met(map), ..Outline::default() })
+}
+
+/// A table with columns for some places along x, and rows with a name each.
+fn by_place(
+    map: &Map,
+    heading: String,
+    rows: impl Iterator<Item = (String, usize)>,
+    cell: impl Fn(usize, usize) -> String,
+) -> AnswerTable {
+    let places = sampled(map.columns.len(), 0);
+    let headings = places.iter().map(|&column| valued(&map.x, map.columns[column]));
+    let row = |(name, of): (String, usize)| {
+        let cells = places.iter().map(|&column| cell(of, column).into());
+        std::iter::once(AnswerCell::from(name)).chain(cells).collect()
+    };
+    AnswerTable {
+        columns: std::iter::once(heading).chain(headings).collect(),
+        rows: rows.map(row).collect(),
+        are_places: true,
+        ..AnswerTable::default()
+    }
 }
 
 /// The cells whose winner is within the limit, and all with a winner.
@@ -287,27 +291,13 @@ fn met(map: &Map) -> Option<[usize; 2]> {
 /// Values at places along both axes.
 fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let columns = map.columns.len();
-    let places = sampled(columns, 0);
-    let line = |row: usize| {
-        let cells = places.iter().map(|&column| {
-            AnswerCell::from(
-                values[row * columns + column]
-                    .map_or_else(String::new, |value| joined(&number(value), &map.z.unit)),
-            )
-        });
-        std::iter::once(AnswerCell::from(valued(&map.y, map.rows[row]))).chain(cells).collect()
-    };
     let known = values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?)));
     let (cell, value) = known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let table = AnswerTable {
-        columns: std::iter::once(map.z.label.clone())
-            .chain(places.iter().map(|&column| valued(&map.x, map.columns[column])))
-            .collect(),
-        rows: sampled(map.rows.len(), 0).into_iter().map(line).collect(),
-        best: None,
-        omitted: 0,
-        are_places: true,
-    };
+    let rows = sampled(map.rows.len(), 0).into_iter().map(|row| (valued(&map.y, map.rows[row]), row));
+    let shown = |value: f64| joined(&number(value), &map.z.unit);
+    let table = by_place(map, map.z.label.clone(), rows, |row, column| {
+        values[row * columns + column].map_or_else(String::new, shown)
+    });
     let value = Reading { quantity: map.z.label.clone(), value, unit: map.z.unit.clone(), interval: None };
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]
         .map(|(axis, at)| valued(axis, at));

@@ -9,7 +9,7 @@ mod options;
 
 use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
-use crate::analysis::role::{Bandless, apart, is_given, less_is_better};
+use crate::analysis::decision::best_option::{Bandless, apart, is_given, less_is_better};
 use crate::view::from_table::axis_unit;
 use crate::view::picture::{Drawn, refused};
 use crate::view::stack::{CURVE, Shown};
@@ -253,14 +253,19 @@ pub(in crate::analysis) fn reading_of_limit(limit: Limit) -> Reading {
 pub(crate) fn facts(study: &Study, tables: &Tables, decided: Option<&Sheet>, answer: &Answer) -> Vec<Fact> {
     let Some(sheet) = decided else {
         let unusable = Bandless::of(study, &tables.points);
-        let caveat = |Bandless { names, why, .. }: Bandless| Fact::Caveat {
-            text: format!("{}: designed for {why}", listed(&names)),
+        let caveat = |Bandless { names, why, .. }: Bandless| {
+            Fact::caveat(format!("{}: designed for {why}", listed(&names)))
         };
         return unusable.map(caveat).into_iter().collect();
     };
     let mut facts = sheet.facts();
     let judges_more = sheet.status() == Status::Met && answer.status != Status::Met;
-    if judges_more || answer.limit.is_none() && answer.kind == Kind::Optimum {
+    let is_free_optimum = answer.limit.is_none() && answer.kind == Kind::Optimum;
+    // The worst case of something else is none of this answer.
+    let is_of_other = answer.value.as_ref().is_some_and(|value| {
+        answer.kind == Kind::Estimate && sheet.reading.quantity != value.quantity
+    });
+    if judges_more || is_free_optimum || is_of_other {
         without_worst_case(&mut facts);
     }
     facts
@@ -340,8 +345,7 @@ impl<'t> Question<'t> {
     /// The place on the chart at a value of x on a curve, between whose points it runs as crossings of a limit are found.
     fn place(&self, rows: &[usize], at: f64) -> Option<(f64, f64)> {
         let (x, axis) = (self.x?, self.axis?);
-        let known: Vec<usize> =
-            rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect();
+        let known = self.known(rows);
         let after = known.iter().position(|&row| x.value(row) >= at)?;
         let b = known[after];
         let Some(a) = after.checked_sub(1).map(|before| known[before]).filter(|_| x.value(b) > at) else {
@@ -397,7 +401,7 @@ impl<'t> Question<'t> {
 
     /// The answer in the shape of the question; `None` for rows without a value.
     fn outline(&self, study: &Study) -> Option<Outline> {
-        if self.rows.iter().all(|&row| self.y.cells[row].number().is_none()) {
+        if self.known(&self.rows).is_empty() {
             return None;
         }
         let is_error = less_is_better(self.table, self.y, &self.rows);
@@ -418,7 +422,7 @@ impl<'t> Question<'t> {
     /// The options with their rows; where there are none, the conditions take their place.
     pub(super) fn choices(&self) -> Vec<Choice> {
         let (rows_by, columns_by) = self.sides();
-        let conditions = self.condition_rows(columns_by);
+        let conditions = grouped(self.rows.iter().copied(), |row| key(columns_by, row));
         let is_usable = |row: usize| {
             self.unusable
                 .as_ref()
@@ -426,10 +430,9 @@ impl<'t> Question<'t> {
         };
         let by_name = grouped(self.rows.iter().copied(), |row| key(rows_by, row));
         let choice = |(_, rows): (Vec<String>, Vec<usize>)| {
-            let of_condition = |row: &usize, condition: &Vec<String>| key(columns_by, *row) == *condition;
             let under = |condition: &Vec<String>| {
                 let mut rows: Vec<usize> =
-                    rows.iter().copied().filter(|row| of_condition(row, condition)).collect();
+                    rows.iter().copied().filter(|&row| key(columns_by, row) == *condition).collect();
                 if let Some(x) = self.x {
                     rows.sort_by(|&a, &b| x.value(a).total_cmp(&x.value(b)));
                 }
@@ -439,7 +442,7 @@ impl<'t> Question<'t> {
                 name: name(rows_by, rows[0]),
                 long: long(rows_by, rows[0]),
                 is_usable: is_usable(rows[0]),
-                rows: conditions.iter().map(under).collect(),
+                rows: conditions.iter().map(|(condition, _)| under(condition)).collect(),
             }
         };
         by_name.into_iter().map(choice).collect()
@@ -451,10 +454,6 @@ impl<'t> Question<'t> {
             true => (&self.conditions, &[]),
             false => (&self.options, &self.conditions),
         }
-    }
-
-    fn condition_rows(&self, columns: &[&Column]) -> Vec<Vec<String>> {
-        grouped(self.rows.iter().copied(), |row| key(columns, row)).into_iter().map(|(key, _)| key).collect()
     }
 
     /// The names of the conditions that are columns, in the order of [`choices`](Question::choices); a single empty one where there
@@ -479,6 +478,11 @@ impl<'t> Question<'t> {
             (rows, []) => rows.join(", "),
             (rows, columns) => format!("{}, by {}", rows.join(", "), listed(columns)),
         }
+    }
+
+    /// Those of some rows that have a value.
+    pub(super) fn known(&self, rows: &[usize]) -> Vec<usize> {
+        rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect()
     }
 
     /// The label of the estimate.
@@ -509,8 +513,7 @@ impl<'t> Question<'t> {
 
     /// The row with the largest size among some.
     pub(super) fn largest(&self, rows: &[usize]) -> Option<usize> {
-        let known = rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some());
-        known.max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)))
+        self.known(rows).into_iter().max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)))
     }
 }
 

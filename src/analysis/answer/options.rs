@@ -1,10 +1,10 @@
 //! Answers that compare options: their values side by side, and the value of the abscissa at which each is best.
 
 use crate::analysis::answer::{
-    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names, options,
+    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names,
     place, reading_of_limit, sampled, spread, table,
 };
-use crate::analysis::role::less_is_better;
+use crate::analysis::decision::best_option::less_is_better;
 use sagnac_base::table::{Column, Role};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, span};
@@ -45,7 +45,7 @@ pub(super) fn outline_of_values(question: &Question) -> Outline {
                 let at = |place: &f64| {
                     let row =
                         choice.rows[0].iter().copied().find(|&row| x.is_some_and(|x| x.value(row) == *place));
-                    let known = row.filter(|&row| question.y.cells[row].number().is_some());
+                    let known = row.and_then(|row| question.known(&[row]).pop());
                     known.map_or_else(AnswerCell::default, |row| question.reading(row).into())
                 };
                 places.iter().map(at).collect()
@@ -99,9 +99,8 @@ pub(super) fn outline_of_values(question: &Question) -> Outline {
 }
 
 /// A row for each of some places along a single curve.
-pub(super) fn along(question: &Question, x: &Column, rows: &[usize]) -> Vec<Line> {
-    let known: Vec<usize> =
-        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+fn along(question: &Question, x: &Column, rows: &[usize]) -> Vec<Line> {
+    let known = question.known(rows);
     let rows: Vec<usize> = spread(known.len(), MAX_ROWS).into_iter().map(|at| known[at]).collect();
     let names = at_places(x, &rows.iter().map(|&row| x.value(row)).collect::<Vec<_>>());
     let line = |(name, &row): (String, &usize)| {
@@ -121,9 +120,7 @@ fn headed(question: &Question, choices: &[Choice], is_error: bool) -> Option<Out
         false => {
             let every: Vec<usize> = choices.iter().flat_map(|choice| choice.rows.concat()).collect();
             let is_signed = every.iter().any(|&row| question.y.value(row) < 0.0);
-            let known =
-                |rows: &[usize]| rows.iter().copied().rfind(|&row| question.y.cells[row].number().is_some());
-            if is_signed { question.largest(&every)? } else { known(&all)? }
+            if is_signed { question.largest(&every)? } else { question.known(&all).pop()? }
         }
     };
     let value = match is_error {
@@ -201,42 +198,70 @@ fn places(question: &Question, choices: &[Choice], judged: usize) -> Vec<f64> {
 const FLAT: f64 = 0.04;
 
 /// A curve at its least value.
-struct Least {
-    name: String,
-    long: String,
-    is_usable: bool,
+pub(super) struct Least {
+    pub(super) name: String,
+    pub(super) long: String,
+    pub(super) is_usable: bool,
     /// The rows of the curve.
-    rows: Vec<usize>,
-    row: usize,
+    pub(super) rows: Vec<usize>,
+    pub(super) row: usize,
     /// The values of x around it at which the cost is at most [`FLAT`] larger.
     flat: [f64; 2],
     /// The values of x around it whose 95 % intervals overlap with its own.
     alike: [f64; 2],
+    /// Whether it is at an end of several values of x.
     is_end: bool,
 }
 
-pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
+/// The curves of options and conditions at their least values, without some values of x.
+pub(super) fn curves_at_least(
+    question: &Question,
+    x: &Column,
+    choices: &[Choice],
+    is_left_out: impl Fn(f64) -> bool,
+) -> Vec<Least> {
     let conditions = question.columns();
-    let mut found: Vec<Least> = Vec::new();
-    for choice in question.choices() {
+    let mut found = Vec::new();
+    for choice in choices {
         for (rows, condition) in choice.rows.iter().zip(&conditions) {
+            let mut known = question.known(rows);
+            known.retain(|&row| !is_left_out(x.value(row)));
+            let size = |at: usize| question.size(known[at]);
+            let Some(best) = (0..known.len()).min_by(|&a, &b| size(a).total_cmp(&size(b))) else { continue };
+            let around = |is_in: &dyn Fn(usize) -> bool| {
+                let holds = |at: &usize| *at == best || is_in(known[*at]);
+                let first = (0..=best).rev().take_while(holds).last();
+                let last = (best..known.len()).take_while(holds).last();
+                [first, last].map(|at| x.value(known[at.unwrap_or(best)]))
+            };
+            let row = known[best];
             let named = |name: &str| joined_names(name, condition);
-            found.extend(least(question, x, rows).map(|(row, flat, alike, is_end)| Least {
+            found.push(Least {
                 name: named(&choice.name),
                 long: named(&choice.long),
                 is_usable: choice.is_usable,
                 rows: rows.clone(),
                 row,
-                flat,
-                alike,
-                is_end,
-            }));
+                flat: around(&|other| question.size(other) <= (1.0 + FLAT) * question.size(row)),
+                alike: around(&|other| question.y.is_alike(other, row)),
+                is_end: known.len() > 1 && (best == 0 || best == known.len() - 1),
+            });
         }
     }
+    found
+}
+
+/// Sorts usable curves first, and then by their least values.
+pub(super) fn sort_best_first(question: &Question, found: &mut [Least]) {
+    let size = |least: &Least| question.size(least.row);
+    found.sort_by(|a, b| b.is_usable.cmp(&a.is_usable).then(size(a).total_cmp(&size(b))));
+}
+
+pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
+    let choices = question.choices();
+    let mut found = curves_at_least(question, x, &choices, |_| false);
     if !question.options.is_empty() {
-        found.sort_by(|a, b| {
-            b.is_usable.cmp(&a.is_usable).then(question.size(a.row).total_cmp(&question.size(b.row)))
-        });
+        sort_best_first(question, &mut found);
     }
     // A single curve is shown along its places.
     let is_single = found.len() == 1 && found[0].name.is_empty();
@@ -284,8 +309,8 @@ pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
         }
         None => (String::new(), None),
     };
-    if let (true, [choice]) = (is_single, &question.choices()[..]) {
-        lines = options::along(question, x, &choice.rows[0]);
+    if let (true, [choice]) = (is_single, &choices[..]) {
+        lines = along(question, x, &choice.rows[0]);
         columns = vec![x.label.clone(), question.label(), "95 % interval".to_owned()];
     }
     // The range is that of the headline alone, as several would cover each other.
@@ -308,28 +333,10 @@ pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
     Outline { kind: Kind::Optimum, headline, value, table, marks, ..Outline::default() }
 }
 
-fn heading(question: &Question) -> String {
+/// The labels of options and conditions.
+pub(super) fn heading(question: &Question) -> String {
     let labels = question.options.iter().chain(&question.conditions).map(|column| column.label.as_str());
     labels.collect::<Vec<_>>().join(", ")
-}
-
-/// The row with the least value of a curve, the ranges around it that cost as much and that do not differ, and whether it is at an
-/// end of a range with several places.
-fn least(question: &Question, x: &Column, rows: &[usize]) -> Option<(usize, [f64; 2], [f64; 2], bool)> {
-    let known: Vec<usize> =
-        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
-    let best =
-        (0..known.len()).min_by(|&a, &b| question.size(known[a]).total_cmp(&question.size(known[b])))?;
-    let around = |is_in: &dyn Fn(usize) -> bool| {
-        let first = (0..=best).rev().take_while(|&at| at == best || is_in(known[at])).last().unwrap_or(best);
-        let last =
-            (best..known.len()).take_while(|&at| at == best || is_in(known[at])).last().unwrap_or(best);
-        [first, last].map(|at| x.value(known[at]))
-    };
-    let flat = around(&|row| question.size(row) <= (1.0 + FLAT) * question.size(known[best]));
-    let alike = around(&|row| question.y.is_alike(row, known[best]));
-    let is_end = known.len() > 1 && (best == 0 || best == known.len() - 1);
-    Some((known[best], flat, alike, is_end))
 }
 
 fn range(x: &Column, [from, to]: [f64; 2]) -> String {

@@ -1,10 +1,16 @@
-//! The best option of a study, the condition under which it is worst, and the rows that count for it.
+//! The best option of a study, the condition under which it is worst, and the rows that count for it; the part that a column, and
+//! each filler, plays in the question.
 
 use crate::analysis::notch::Notches;
-use crate::analysis::role::{Bandless, apart, is_given};
 use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use sagnac_engine::chart::{Chart, Limit, Source};
+use sagnac_engine::filler::FILLERS;
+use sagnac_engine::kinds::KINDS;
 use sagnac_engine::kinds::allan::LENGTH;
+use sagnac_engine::kinds::allan::columns::COEFFICIENT;
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::kinds::gap_fill::columns::{Tuning, tuned};
+use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::run::Tables;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::Reading;
@@ -94,16 +100,26 @@ impl<'t> Choice<'t> {
                 names.filter(|_| all.len() > rows.len()).map(str::to_owned).collect()
             }
         };
-        let compared = Compared::of(column, [given, chosen.clone()], abscissa, &rows);
-        let value = |row: usize| compared.value(row);
+        let (condition_of, option_of) = (naming(&given), naming(&chosen));
+        let notches = abscissa.map_or_else(Notches::default, |x| {
+            let curves = grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
+            Notches::of(x, column, curves.iter().map(|(_, rows)| &rows[..]))
+        });
+        // A coefficient that records do not show has no error, and meets no limit.
+        let value = |row: usize| column.magnitude(row);
+        let by_value = |a: &usize, b: &usize| value(*a).total_cmp(&value(*b));
         let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
+        // A curve over the averaging time counts at its minimum, notches left out.
+        let is_notch = |row: usize| abscissa.is_some_and(|x| notches.are_at(x.value(row)));
+        let least =
+            |(_, rows): (_, Vec<usize>)| rows.into_iter().filter(|&row| !is_notch(row)).min_by(by_value);
         let option = |(name, rows): (String, Vec<usize>)| {
-            let rows = compared.conditions(rows);
-            let row = compared.worst(&rows)?;
+            let rows: Vec<usize> = grouped(rows, &condition_of).into_iter().filter_map(least).collect();
+            let row = rows.iter().copied().max_by(by_value)?;
             let met = rows.iter().filter(|row| is_met(**row)).count();
             Some(Rated { name, row, met, rows })
         };
-        let options = grouped(rows, |row| compared.option(row));
+        let options = grouped(rows, &option_of);
         let mut options: Vec<Rated> = options.into_iter().filter_map(option).collect();
         // Of records that meet the limit equally often, the shortest is the best: a longer one costs time.
         let length = match chosen[..] {
@@ -117,7 +133,7 @@ impl<'t> Choice<'t> {
         options.sort_by(|a, b| b.met.cmp(&a.met).then(cost(a).total_cmp(&cost(b))));
         let Some(Rated { name, row, met, rows }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);
-        let at: Vec<&Column> = compared.given.iter().copied().chain(abscissa).collect();
+        let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = place_of(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, rows.len()];
@@ -132,7 +148,7 @@ impl<'t> Choice<'t> {
             option,
             condition,
             is_minimum,
-            is_notched: compared.notches.are_any(),
+            is_notched: notches.are_any(),
             met,
             options,
             left_out,
@@ -233,62 +249,57 @@ fn place(study: &Study, table: &Table, row: usize) -> (usize, usize) {
     (starts.len() - 1, row - starts.last().copied().unwrap_or(0))
 }
 
-/// Rows with an estimate, by option and condition.
-pub(crate) struct Compared<'t> {
-    /// The estimate.
-    pub(crate) column: &'t Column,
-    /// The conditions that vary.
-    pub(crate) given: Vec<&'t Column>,
-    /// The averaging time where a condition has a whole curve over it.
-    pub(crate) abscissa: Option<&'t Column>,
-    pub(crate) notches: Notches,
-    condition_of: Box<dyn Fn(usize) -> String + 't>,
-    option_of: Box<dyn Fn(usize) -> String + 't>,
+/// Whether a column is a condition instead of a choice: that of a key by its role, of others the names of coefficients.
+pub(crate) fn is_given(column: &Column) -> bool {
+    let name = if column.of.is_empty() { &column.name } else { &column.of };
+    let keys = KINDS.iter().flat_map(|kind| (kind.keys)().into_iter().chain((kind.sweepable)()));
+    keys.into_iter()
+        .find(|key| key.name == *name)
+        .map_or_else(|| name.starts_with(COEFFICIENT), |key| key.role.is_given())
 }
 
-impl<'t> Compared<'t> {
-    /// The rows by the columns of conditions and those of choices.
-    pub(crate) fn of(
-        column: &'t Column,
-        [given, chosen]: [Vec<&'t Column>; 2],
-        abscissa: Option<&'t Column>,
-        rows: &[usize],
-    ) -> Compared<'t> {
-        let (condition_of, option_of) = (naming(&given), naming(&chosen));
-        let notches = abscissa.map_or_else(Notches::default, |x| {
-            let curves = grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
-            Notches::of(x, column, curves.iter().map(|(_, rows)| &rows[..]))
-        });
-        let (condition_of, option_of) = (Box::new(condition_of), Box::new(option_of));
-        Compared { column, given, abscissa, notches, condition_of, option_of }
+/// The columns that distinguish rows, each once, after some `columns`.
+pub(crate) fn apart<'t>(
+    study: &Study,
+    source: Source,
+    table: &'t Table,
+    mut columns: Vec<&'t Column>,
+) -> Result<Vec<&'t Column>, ColumnError> {
+    let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
+    for name in study.text_columns(source).into_iter().chain(sweeps) {
+        if columns.iter().all(|column| column.name != name) {
+            columns.push(table.column(name)?);
+        }
     }
+    Ok(columns)
+}
 
-    /// The magnitude of a row; a coefficient that records do not show has no error, and meets no limit.
-    pub(crate) fn value(&self, row: usize) -> f64 {
-        self.column.magnitude(row)
-    }
+/// Whether less of an estimate is better in all selected rows: its role says so, and none of its values is negative.
+pub(crate) fn less_is_better(table: &Table, column: &Column, rows: &[usize]) -> bool {
+    let estimate = if column.role == Role::Theory { table.referred(column) } else { Some(column) };
+    let signed = rows.iter().any(|&row| column.value(row) < 0.0);
+    estimate.is_some_and(|column| column.role.less_is_better()) && !signed
+}
 
-    /// The row with the least magnitude.
-    pub(crate) fn least(&self, rows: impl IntoIterator<Item = usize>) -> Option<usize> {
-        rows.into_iter().min_by(|a, b| self.value(*a).total_cmp(&self.value(*b)))
-    }
+/// The fillers that are designed without a band, whose weights firmware cannot have: they follow the motion of each
+/// point, or one motion to the last digit. For a motion that is drawn from a band, they are those of the band.
+pub(crate) struct Bandless<'a> {
+    /// The column of all fillers.
+    pub(crate) column: &'a Column,
+    pub(crate) names: Vec<&'a str>,
+    /// What they are designed for.
+    pub(crate) why: &'static str,
+}
 
-    /// The row with the largest magnitude.
-    pub(crate) fn worst(&self, rows: &[usize]) -> Option<usize> {
-        rows.iter().copied().max_by(|a, b| self.value(*a).total_cmp(&self.value(*b)))
-    }
-
-    /// The name of the option of a row.
-    pub(crate) fn option(&self, row: usize) -> String {
-        (self.option_of)(row)
-    }
-
-    /// A row for each condition among those of an option: a curve over the averaging time counts at its minimum, notches left
-    /// out.
-    pub(crate) fn conditions(&self, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
-        let is_notch = |row: usize| self.abscissa.is_some_and(|x| self.notches.are_at(x.value(row)));
-        let of_condition =
-            |(_, rows): (String, Vec<usize>)| self.least(rows.into_iter().filter(|&row| !is_notch(row)));
-        grouped(rows, &self.condition_of).into_iter().filter_map(of_condition).collect()
+impl<'a> Bandless<'a> {
+    pub(crate) fn of(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
+        let column = table.listed_by(FILLERS)?;
+        let fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
+        let (tuning, names) = tuned(study, fill)?;
+        let why = match tuning {
+            Tuning::Points => "the very motion of each point",
+            Tuning::Frequency => "exactly this motion",
+        };
+        Some(Bandless { column, names, why })
     }
 }

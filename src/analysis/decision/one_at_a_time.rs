@@ -3,7 +3,7 @@
 use crate::analysis::decision::best_option::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value, mean_square};
 use crate::analysis::decision::{DecisionError, Figure, short};
-use crate::analysis::role::is_given;
+use crate::analysis::decision::best_option::is_given;
 use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::Table;
 use sagnac_engine::drift::{End, INTERVAL};

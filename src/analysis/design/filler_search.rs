@@ -2,7 +2,7 @@
 
 use crate::analysis::design::candidates::{Constraints, Cost};
 use crate::analysis::design::{self, DesignError};
-use crate::analysis::firmware::search::{Asked, Trade, entry};
+use crate::analysis::firmware::search::{Asked, Trade, entry, ticks_at};
 use sagnac_base::quantity::{Dimension, parse, round_12};
 use sagnac_engine::filler::read::Error;
 use sagnac_engine::filler::{Fill, Filler, Method, Target};
@@ -51,15 +51,8 @@ pub fn band(text: &str) -> Result<Band, String> {
     Ok(band)
 }
 
-/// Ticks of a searched filler before and after the gap, with what it leaves and costs.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    before: u32,
-    after: u32,
-    /// Its 99.73 % residual with frequencies shifted, ″.
-    level: f64,
-    cost: Cost,
-}
+/// A filler that a search may add, with its 99.73 % residual with frequencies shifted, ″, and its cost.
+type Candidate = (Sought, f64, Cost);
 
 /// The study with minimum-variance fillers added that are worth trying: of all numbers of ticks before and after the gap
 /// that meet the constraints, those of which no other has about the same 99.73 % residual with no more latency and memory.
@@ -94,8 +87,7 @@ pub(crate) fn with_searched(
     let mut added: Vec<Sought> = Vec::new();
     for inputs in &motions {
         let band = band.or_else(|| widened(inputs));
-        for Candidate { before, after, .. } in handful(candidates(inputs, constraints, band)) {
-            let sought = Sought { before, after, band };
+        for (sought, ..) in handful(candidates(inputs, constraints, band)) {
             let everywhere = motions.iter().all(|inputs| sought.is_determined(inputs));
             if everywhere && !added.contains(&sought) {
                 added.push(sought);
@@ -141,10 +133,8 @@ struct Sought {
 impl Sought {
     /// The filler at a gap of `n` as the study will have it.
     fn at(self, inputs: &Inputs) -> (Filler, Fill) {
-        let n = inputs.gap_ticks;
-        let after_gap = (n + 1..=n + self.after).map(u32::cast_signed);
-        let own: Vec<i32> = (1 - self.before.cast_signed()..=0).collect();
-        let fit_ticks = own.iter().copied().chain(after_gap).collect();
+        let fit_ticks = ticks_at(inputs.gap_ticks, self.before, self.after);
+        let own = ticks_at(inputs.gap_ticks, self.before, 0);
         let target = Target::of(self.band, inputs.specification.as_ref());
         let filler = Filler { name: String::new(), method: Method::MinimumVariance(target) };
         (filler, Fill { fit_ticks, extrapolation_ticks: Some(own) })
@@ -182,18 +172,18 @@ fn candidates(inputs: &Inputs, constraints: &Constraints, band: Option<Band>) ->
     let trade = Trade::new(inputs, asked, band);
     let all = trade.into_iter().flat_map(|trade| trade.candidates);
     all.map(|one| {
-        let (filler, fill) = Sought { before: one.before, after: one.after, band }.at(inputs);
-        let cost = Cost::of(&filler, &fill, inputs);
-        Candidate { before: one.before, after: one.after, level: one.level, cost }
+        let sought = Sought { before: one.before, after: one.after, band };
+        let (filler, fill) = sought.at(inputs);
+        (sought, one.level, Cost::of(&filler, &fill, inputs))
     })
-    .filter(|one| constraints.meets(one.cost))
+    .filter(|(.., cost)| constraints.meets(*cost))
     .collect()
 }
 
 /// Few candidates. For any other one of them, with no more latency and memory, has at most a multiple of its residual: the
 /// least one, in steps of [`STEP`], for which that few suffice.
 fn handful(mut all: Vec<Candidate>) -> Vec<Candidate> {
-    let costs = |one: &Candidate| (one.cost.latency_s, one.cost.memory.bytes());
+    let costs = |(.., cost): &Candidate| (cost.latency_s, cost.memory.bytes());
     all.sort_by(|a, b| {
         let ((late, large), (other_late, other_large)) = (costs(a), costs(b));
         late.total_cmp(&other_late).then(large.cmp(&other_large))
@@ -204,7 +194,7 @@ fn handful(mut all: Vec<Candidate>) -> Vec<Candidate> {
         for one in &all {
             let is_as_good = |known: &Candidate| {
                 let ((late, large), (own_late, own_large)) = (costs(known), costs(one));
-                late <= own_late && large <= own_large && known.level <= factor * one.level
+                late <= own_late && large <= own_large && known.1 <= factor * one.1
             };
             if !kept.iter().any(is_as_good) {
                 kept.push(*one);
@@ -228,18 +218,18 @@ mod tests {
             // Falls with both numbers of ticks, 205 times in all.
             let level = 100.0 / (1.0 + f64::from(after * after) + 0.3 * f64::from(before));
             let memory = Memory { constants: u64::from(100 + before + after), state: 0 };
-            Candidate { before, after, level, cost: Cost { latency_s: 0.005 * f64::from(after), memory } }
+            let sought = Sought { before, after, band: None };
+            (sought, level, Cost { latency_s: 0.005 * f64::from(after), memory })
         };
         let all: Vec<Candidate> =
             (0..=16).flat_map(|after| (1..=32).map(move |before| candidate(after, before))).collect();
         let kept = handful(all.clone());
         assert!((2..=MAX_ADDED).contains(&kept.len()), "{}", kept.len());
-        let ratio = |one: &Candidate| {
-            let cheaper = kept.iter().filter(|known| {
-                known.cost.latency_s <= one.cost.latency_s
-                    && known.cost.memory.bytes() <= one.cost.memory.bytes()
+        let ratio = |(_, level, own): &Candidate| {
+            let cheaper = kept.iter().filter(|(.., cost)| {
+                cost.latency_s <= own.latency_s && cost.memory.bytes() <= own.memory.bytes()
             });
-            cheaper.map(|known| known.level).fold(f64::INFINITY, f64::min) / one.level
+            cheaper.map(|(_, level, _)| *level).fold(f64::INFINITY, f64::min) / level
         };
         let worst = all.iter().map(ratio).fold(0.0, f64::max);
         // Six candidates cannot do better than the sixth root of 205, which is 2.4, and cover two kinds of costs.

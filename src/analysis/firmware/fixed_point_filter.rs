@@ -5,9 +5,9 @@ use sagnac_base::quantity::number::significant;
 use sagnac_engine::filler::read::Error;
 use sagnac_engine::filler::{Fill, Filler, LISTED, Method};
 use sagnac_engine::kinds::gap_fill::lower::fixed::Rows;
-use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
+use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, Series, SeriesPoint};
 use sagnac_report::chart::palette::of_names;
-use sagnac_theory::gap::Weights;
+use sagnac_theory::gap::{Weights, greatest_common_divisor};
 
 /// Weights that give the lost ticks from others, as 32-bit integers over a denominator.
 ///
@@ -24,6 +24,11 @@ pub struct Rule {
     pub denominator: i32,
     /// Whether the fractions are the exact weights instead of the nearest ones over a power of two.
     pub exact: bool,
+}
+
+/// The greatest common divisor.
+pub(crate) fn common_divisor(a: i64, b: i64) -> i64 {
+    greatest_common_divisor(a.into(), b.into()) as i64
 }
 
 impl Rule {
@@ -53,14 +58,7 @@ impl Rule {
     /// of the reduced weights are equally likely.
     pub(crate) fn rounding(&self) -> f64 {
         let whole = self.whole();
-        let gcd = |a: i64, b: i64| {
-            let (mut a, mut b) = (a.abs(), b.abs());
-            while b != 0 {
-                (a, b) = (b, a % b);
-            }
-            a
-        };
-        let common = whole.numerators.iter().fold(whole.denominator, |common, &w| gcd(common, w));
+        let common = whole.numerators.iter().fold(whole.denominator, |common, &w| common_divisor(common, w));
         let parts = (whole.denominator / common.max(1)) as f64;
         // Of an even number of parts one is a half, which is rounded up.
         let end = if whole.denominator / common.max(1) % 2 == 0 { 2.0 } else { -1.0 };
@@ -172,12 +170,7 @@ impl Firmware {
         for (&colour, design) in styles.iter().zip(&self.designs) {
             for (error, rule, _) in design.rules() {
                 let weights = rule.whole();
-                let point = |i: usize| SeriesPoint {
-                    x: frequency(i),
-                    y: of(&weights, frequency(i)),
-                    band: None,
-                    key: None,
-                };
+                let point = |i: usize| SeriesPoint::new(frequency(i), of(&weights, frequency(i)));
                 let visible =
                     |point: &SeriesPoint| point.y >= MIN_RELATIVE * tick_s * f64::from(self.gap_ticks);
                 series.push(Series {
@@ -188,11 +181,9 @@ impl Firmware {
                 });
             }
         }
-        let law =
-            |label, points| Law { label, lines: vec![LawLine { colours: vec![], points }], is_area: false };
         let nothing = Weights { ticks: vec![], numerators: vec![], denominator: 1 };
         let gap = (0..=STEPS).map(|i| (frequency(i), of(&nothing, frequency(i)))).collect();
-        let mut laws = vec![law("the gap itself, not filled".to_owned(), gap)];
+        let mut laws = vec![Law::line("the gap itself, not filled".to_owned(), gap)];
         let markers = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
         let curves = series.iter().flat_map(|series| &series.law).map(|place| place.1);
         // The lower end of the axis, which for curves is a decade below the markers.
@@ -211,22 +202,20 @@ impl Firmware {
                     (format!("{name}, {begin} to {end} Hz"), places)
                 }
             };
-            laws.push(law(label, places));
+            laws.push(Law::line(label, places));
         }
         let entries = names.into_iter().zip(styles).map(|(name, style)| Entry { style, name });
         let extrapolates = self.designs.iter().any(|design| design.extrapolation.is_some());
         let errors: &[Error] =
             if extrapolates { &[Error::Residual, Error::Extrapolation] } else { &[Error::Residual] };
         let errors = errors.iter().map(|error| error.name().to_owned());
-        let plural = if self.gap_ticks == 1 { "" } else { "s" };
-        let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
         let (frequency_unit, error_unit) = if self.tick_s.is_some() {
             ("Hz", "″ per ″/s")
         } else {
             ("cycles per tick", "″ per ″ a tick")
         };
         let mut figure = Figure {
-            title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),
+            title: format!("Response to vibration of a gap of {}", self.ticks("tick")),
             subtitle: Some(self.title.clone()),
             x: Axis::new("vibration frequency", frequency_unit),
             y: Axis::new("error amplitude per rate amplitude", error_unit),

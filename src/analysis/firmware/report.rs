@@ -55,10 +55,15 @@ fn budget(rms: f64, noise_rms: f64) -> Fact {
 impl Firmware {
     /// The lost ticks, such as `3 lost ticks of 5 ms`.
     pub(crate) fn lost(&self) -> String {
+        self.ticks("lost tick")
+    }
+
+    /// The ticks of the gap under a name, with their length.
+    pub(crate) fn ticks(&self, name: &str) -> String {
         let n = self.gap_ticks;
         let plural = if n == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
-        format!("{n} lost tick{plural}{of}")
+        format!("{n} {name}{plural}{of}")
     }
 
     /// The gap and the point of the study in a line.
@@ -98,15 +103,11 @@ impl Firmware {
         let mut facts: Vec<Fact> =
             first.and_then(|best| Some(budget(best.robust_rms()?, best.noise_rms))).into_iter().collect();
         if limit.is_some() && level.is_none() {
-            let text = "the limit is on the 99.73 % residual, which `sagnac run` samples".to_owned();
-            facts.push(Fact::Caveat { text });
+            facts.push(Fact::caveat("the limit is on the 99.73 % residual, which `sagnac run` samples"));
         }
-        facts
-            .extend(level.map(|_| Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) }));
+        facts.extend(level.map(|_| Fact::caveat(format!("at worst with {}", deviation(self.shift)))));
         facts.extend(self.first_values());
-        facts.extend(
-            self.unsampled.as_ref().map(|why| Fact::Caveat { text: format!("there is no rms: {why}") }),
-        );
+        facts.extend(self.unsampled.as_ref().map(|why| Fact::caveat(format!("there is no rms: {why}"))));
         Answer {
             kind: Kind::Choice,
             status: match (level, limit) {
@@ -128,8 +129,7 @@ impl Firmware {
         self.unasked.iter().filter_map(|(key, count)| {
             let (_, value) = self.at.iter().find(|(swept, _)| swept.name == key.name)?;
             let value = shown(&value.quantity()?);
-            let text = format!("{} {value} is the first of its {count} values", key.label);
-            Some(Fact::Caveat { text })
+            Some(Fact::caveat(format!("{} {value} is the first of its {count} values", key.label)))
         })
     }
 
@@ -219,7 +219,7 @@ impl Trade {
             let change = Alternative { key, label, from, to };
             facts.push(Fact::MostEffectiveChange { change, gain, interval: None });
         }
-        facts.push(Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) });
+        facts.push(Fact::caveat(format!("at worst with {}", deviation(self.shift))));
         Answer {
             kind: Kind::Choice,
             status: status(chosen.level, limit),

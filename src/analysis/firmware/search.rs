@@ -115,8 +115,7 @@ impl Trade {
         let target = Target::of(band, inputs.specification.as_ref());
         let design: &TickRows = &Statistics::of(inputs).motion(&target, MAX_SIDE);
         let candidate = |(after, before): (u32, u32)| {
-            let after_gap = (n + 1..=n + after).map(u32::cast_signed);
-            let ticks: Vec<i32> = (1 - before.cast_signed()..=0).chain(after_gap).collect();
+            let ticks = ticks_at(n, before, after);
             let weights = minimum_variance_weights(&ticks, n, design, &inputs.noise_covariance())?;
             let judged = judge.judge(&ticks, &weights);
             let noise_rms = of_noise(inputs, &ticks, &weights);
@@ -134,11 +133,9 @@ impl Trade {
         Some(Trade { asked, tick_s, shift: shift(inputs), candidates, chosen })
     }
 
-    /// The fit ticks of the choice, as options and studies take them.
+    /// The fit ticks of the choice, as options take them.
     pub fn fit_ticks(&self) -> String {
-        let Candidate { before, after, .. } = self.chosen;
-        let first = 1 - before.cast_signed();
-        if after == 0 { format!("{first}..0") } else { format!("{first}..0,n+1..n+{after}") }
+        fit_ticks(self.chosen.before, self.chosen.after).join(",")
     }
 
     /// The filler of the choice as a study writes it, for the motion of the study.
@@ -163,13 +160,8 @@ impl Trade {
         let shown = |after: u32| SHOWN.contains(&after) || after == self.chosen.after;
         let each = self.candidates.chunk_by(|a, b| a.after == b.after).filter(|own| shown(own[0].after));
         let of = |(colour, own): (usize, &[Candidate])| {
-            let point = |one: &Candidate| SeriesPoint {
-                x: f64::from(one.before),
-                y: one.level,
-                band: None,
-                key: None,
-            };
-            Series { colour, dash: colour, points: own.iter().map(point).collect(), law: vec![] }
+            let point = |one: &Candidate| SeriesPoint::new(f64::from(one.before), one.level);
+            Series::of_points(colour, own.iter().map(point).collect())
         };
         let name = |own: &[Candidate]| {
             format!("{} ({} ms)", own[0].after, significant(1e3 * self.latency_s(own[0]), 4))
@@ -205,11 +197,21 @@ impl Trade {
     }
 }
 
+/// The ticks before and after a gap as a study writes them.
+fn fit_ticks(before: u32, after: u32) -> Vec<String> {
+    let first = format!("{}..0", 1 - before.cast_signed());
+    std::iter::once(first).chain((after > 0).then(|| format!("n+1..n+{after}"))).collect()
+}
+
+/// These ticks at a gap of `n` ticks.
+pub(crate) fn ticks_at(n: u32, before: u32, after: u32) -> Vec<i32> {
+    let after_gap = (n + 1..=n + after).map(u32::cast_signed);
+    (1 - before.cast_signed()..=0).chain(after_gap).collect()
+}
+
 /// A filler of least variance as a study writes it, by the ticks before and after the gap that it reads.
 pub(crate) fn entry(name: String, before: u32, after: u32) -> toml::Table {
-    let first = format!("{}..0", 1 - before.cast_signed());
-    let after = (after > 0).then(|| format!("n+1..n+{after}"));
-    let fit_ticks = std::iter::once(first).chain(after).map(toml::Value::from).collect::<Vec<_>>();
+    let fit_ticks: Vec<toml::Value> = fit_ticks(before, after).into_iter().map(Into::into).collect();
     let mut entry = toml::Table::new();
     entry.insert("kind".to_owned(), MINIMUM_VARIANCE.into());
     entry.insert("name".to_owned(), name.into());

@@ -4,6 +4,7 @@ use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
 use crate::analysis::firmware::design::Closed;
 use crate::analysis::firmware::export::HEADER;
+use crate::analysis::firmware::fixed_point_filter::common_divisor;
 use crate::analysis::firmware::{Candidate, Firmware, Rule, Trade};
 use crate::analysis::page::{chart, grid, study_file};
 use crate::analysis::sensitivity::Sensitivity;
@@ -171,7 +172,7 @@ fn facts(firmware: &Firmware, rule: &Rule, closed: Closed) -> Vec<(&'static str,
 /// Weights as reduced fractions, if all of them have small denominators.
 fn fractions(weights: &Weights) -> Option<Vec<String>> {
     let fraction = |w: &i64| {
-        let divisor = greatest_common_divisor(*w, weights.denominator);
+        let divisor = common_divisor(*w, weights.denominator);
         let (above, below) = (w / divisor, weights.denominator / divisor);
         match below {
             1 => Some(minus(&above.to_string())),
@@ -189,10 +190,6 @@ fn decimals(weights: &Weights) -> Vec<Cell> {
         below: minus(&numerator.to_string()),
     };
     weights.values().zip(&weights.numerators).map(cell).collect()
-}
-
-fn greatest_common_divisor(a: i64, b: i64) -> i64 {
-    if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
 }
 
 /// A denominator as `2^24` if it is a power of two, else as a number.

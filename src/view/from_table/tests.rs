@@ -214,3 +214,79 @@ fn the_closed_form_has_a_gap_where_rows_have_none() {
     assert!(law_between[1].0 == 2.0 && law_between[1].1.is_nan());
     assert_eq!(law(end), [(1.0, 1.01 * 2.0), (2.0, 1.01 * 4.0)]);
 }
+
+mod mixed_curves {
+    use super::super::*;
+    use sagnac_base::table::Unit;
+
+    /// Frequencies 1 and 2, gaps 1 and 2, two fillers; Δt·ν is their product, which no two points share.
+    fn table() -> Table {
+        let mut cells: [Vec<Cell>; 5] = Default::default();
+        for frequency in [1.0, 3.0] {
+            for gap in [1_i64, 2] {
+                for filler in ["const", "quad"] {
+                    let row = [
+                        Cell::Number(frequency),
+                        Cell::Integer(gap),
+                        Cell::Number(frequency * gap as f64),
+                        Cell::Text(filler.to_owned()),
+                        Cell::Blank,
+                    ];
+                    cells.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
+                }
+            }
+        }
+        let names = ["motion.frequency", "switching.gap_ticks", "dt_nu", "filler", "rms"];
+        let column = |(name, cells): (&str, Vec<Cell>)| Column {
+            name: name.to_owned(),
+            label: name.to_owned(),
+            unit: Unit::NONE,
+            cells: cells.into(),
+            ..Column::default()
+        };
+        let mut columns: Vec<Column> = names.into_iter().zip(cells).map(column).collect();
+        columns[2].role = Role::Coordinate;
+        columns[2].of = names[0].to_owned();
+        Table { columns }
+    }
+
+    /// The error of a chart over `x` with these series and rows; empty where it is drawn.
+    fn said(x: &str, series: &[&str], filter: &[(&str, &str)]) -> String {
+        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
+        let apart = names(&["motion.frequency", "switching.gap_ticks", "filler"]);
+        let chart = Chart { x: x.into(), y: "rms".into(), apart, ..Chart::default() };
+        let table = table();
+        let rows = table.rows_where(filter).unwrap();
+        check_curves(&table, &chart, &names(series), &rows)
+            .map_or_else(|error| error.to_string(), |()| String::new())
+    }
+
+    #[test]
+    fn a_curve_runs_along_one_of_the_columns_that_tell_rows_apart() {
+        for x in ["frequency", "dt_nu", "rms"] {
+            assert_eq!(said(x, &["filler", "gap_ticks"], &[]), "");
+            assert_eq!(said(x, &["filler"], &[("gap_ticks", "2")]), "");
+        }
+        assert_eq!(said("gap_ticks", &["frequency"], &[("filler", "quad")]), "");
+    }
+
+    #[test]
+    fn a_curve_through_rows_of_several_is_refused_with_what_tells_them_apart() {
+        let gaps =
+            "one curve, that of filler = const, runs through rows that differ in switching.gap_ticks (1, 2)";
+        for x in ["frequency", "dt_nu"] {
+            assert_eq!(said(x, &["filler"], &[]), gaps, "{x}");
+        }
+        assert!(said("rms", &["filler"], &[]).contains("switching.gap_ticks"));
+        assert!(said("gap_ticks", &["frequency"], &[]).contains("differ in filler (const, quad)"));
+        let only = said("dt_nu", &[], &[("filler", "quad")]);
+        assert!(only.starts_with("one curve runs through rows that differ in switching.gap_ticks"), "{only}");
+    }
+
+    #[test]
+    fn an_abscissa_that_stands_still_is_refused() {
+        let filter = [("frequency", "3"), ("gap_ticks", "1")];
+        assert!(said("frequency", &["gap_ticks"], &filter).contains("differ in filler"));
+        assert_eq!(said("rms", &["gap_ticks"], &filter), "", "estimates may be equal");
+    }
+}
