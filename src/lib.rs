@@ -60,7 +60,8 @@
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
 //! | [`allan`](analysis::use_cases::allan), [`compare_logs`](analysis::use_cases::compare_logs), [`compare_units`](analysis::use_cases::compare_units), [`model_noise`](analysis::use_cases::model_noise) | what the commands on logs do, each from a request to an [`Outcome`](outcome::Outcome) |
 //! | [`Dynamic`](analysis::dynamic::Dynamic), [`Batch`](analysis::batch::Batch) | the noise of a log over time, and a batch of units with its outliers |
-//! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | the best switching interval and filler, and fillers for firmware |
+//! | [`design`](analysis::design::design), [`filler`](analysis::firmware::filler), [`sensitivity`](analysis::sensitivity::sensitivity) | the best switching interval and filler, fillers for firmware, and which uncertain input decides |
+//! | [`check`](check::check) | whether a results folder is intact and complete |
 //! | [`theory`] | closed forms |
 //!
 //! Messages write settings as `name = value` in backticks; [`spelled`](diagnostics::spelled) turns them into the options of a front end.
@@ -69,6 +70,7 @@
 #![warn(unreachable_pub)]
 
 pub mod analysis;
+pub mod check;
 pub mod outcome;
 pub mod view;
 

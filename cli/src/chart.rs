@@ -1,6 +1,6 @@
-//! Charts of existing results with other keys: `sagnac report DIR --chart`, and `sagnac chart` of earlier versions.
+//! Charts of existing results with other keys: `sagnac report DIR --chart`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use sagnac::chart::{Chart, Named};
@@ -20,21 +20,6 @@ use crate::progress::{self, How, Shown};
 use crate::results::{held, is_chart_stem, lacking, summary};
 use crate::run::checked;
 use crate::{folders, look};
-
-#[derive(Debug, Args)]
-#[command(after_long_help = EXAMPLES)]
-pub struct Options {
-    /// Results folder
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
-    #[command(flatten)]
-    redraw: Redraw,
-    /// Print only errors
-    #[arg(long, short)]
-    quiet: bool,
-    #[command(flatten)]
-    progress: progress::Options,
-}
 
 /// A chart of the study with other keys.
 #[derive(Debug, Args)]
@@ -111,15 +96,6 @@ struct Keys {
     z_scale: Option<String>,
 }
 
-const EXAMPLES: &str = "\
-Examples:
-  sagnac report results/error_vs_dtnu --y rms --limit \"rms=5 arcsec\"
-  sagnac report results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
-  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z p99_73 \\
-    --where filler=quadratic
-
-The chart is written to DIR as an SVG and a PNG. The page report.html keeps the charts of the study; `sagnac report DIR` rebuilds it.";
-
 /// The value that removes a key of the study's chart.
 const NONE: &str = "none";
 
@@ -142,11 +118,6 @@ fn name(text: &str) -> Result<String, String> {
 pub fn row(text: &str) -> Result<(String, String), String> {
     let (column, value) = text.split_once('=').ok_or("expected COLUMN=VALUE, as in filler=const")?;
     Ok((column.trim().to_owned(), value.trim().to_owned()))
-}
-
-/// Redraws existing results with other keys than the study's.
-pub fn chart(options: &Options) -> Result<(), Failure> {
-    redraw(&options.folder, &options.redraw, options.quiet, &options.progress)
 }
 
 /// Redraws the results in a folder.

@@ -12,9 +12,8 @@ use crate::arg_parsers::one_of;
 use crate::failure::Failure;
 use crate::filler::at_least_0;
 use crate::outcome::spell;
-use crate::program::DeviceArg;
+use crate::program::{DeviceArg, Sampling};
 use crate::progress::Shown;
-use crate::sampling::Sampling;
 use crate::{arg_parsers, reading};
 
 const EXAMPLES: &str = "\

@@ -35,11 +35,9 @@ mod output;
 mod program;
 mod progress;
 mod reading;
-mod renamed;
 mod report;
 mod results;
 mod run;
-mod sampling;
 mod sensitivity;
 
 use std::path::Path;

@@ -15,10 +15,10 @@ use sagnac::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
 use crate::failure::Failure;
 use crate::folders;
 use crate::output::print_documents;
+use crate::program::Sampling;
 use crate::progress::Shown;
 use crate::results::{Ran, check_places};
 use crate::run::checked;
-use crate::sampling::Sampling;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -190,16 +190,6 @@ pub fn write_table(folder: &Folder, name: &str, table: &Table) -> Result<String,
     Ok(folder.write_by(name, |file| table.write_csv(file).map(drop))?)
 }
 
-/// A table as the bytes of its file.
-///
-/// # Errors
-/// Writing to memory fails.
-pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
-    let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(unwritten(path))?;
-    Ok(csv)
-}
-
 /// Turns the signal for an exceeded file size limit into an ordinary error; by default it ends the program.
 pub fn outlive_limits() {
     #[cfg(unix)]

@@ -1,17 +1,24 @@
 //! The command line.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
 use sagnac::device::select::Selection;
 use sagnac::diagnostics::visible;
-use sagnac::key::docs::note;
+use sagnac::key::MAX_TRIALS;
+use sagnac::key::docs::{note, present};
+use sagnac::outcome::Outcome;
+use sagnac::study::Study;
 use sagnac::verify::select;
 
+use crate::arg_parsers::whole;
 use crate::failure::{EXIT_CODES, Failure};
+use crate::outcome::finish;
+use crate::output::{Printed, print_documents};
+use crate::progress::{self, How};
 
 /// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
 #[derive(Debug, Parser)]
@@ -85,7 +92,7 @@ commands! {
     /// List, verify or measure the devices that kernels run on
     Device(crate::device::Command) = crate::device::device;
     #[command(hide = true)]
-    Chart(crate::chart::Options) = |options| { renamed("chart", "report DIR --chart 1"); crate::chart::chart(options) };
+    Chart(crate::report::Options) = |options| { renamed("chart", "report DIR --chart 1"); crate::report::chart(options) };
     #[command(hide = true)]
     Psd(crate::allan::Options) = |options| { renamed("psd", "allan"); crate::allan::allan(options) };
     #[command(hide = true)]
@@ -257,9 +264,72 @@ impl DeviceArg {
     }
 }
 
+/// The options of the commands that sample studies.
+#[derive(Debug, Args)]
+#[group(skip)]
+pub struct Sampling {
+    /// Trials at each point, of each candidate or of each evaluation [default: those of the study; of a sensitivity 4096,
+    /// or more for few evaluations]
+    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = trials)]
+    pub trials: Option<u64>,
+    /// Seed, instead of the one in the study
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = seed)]
+    seed: Option<u64>,
+    /// Print the results as JSON: one object, or an array of objects for several studies
+    #[arg(help_heading = "Output", long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub printed: Printed,
+    #[command(flatten)]
+    progress: progress::Options,
+}
+
+impl Sampling {
+    /// Gives a study the trials and the seed that are asked for.
+    pub fn apply(&self, study: &mut Study) {
+        study.trials = self.trials.unwrap_or(study.trials);
+        self.apply_seed(study);
+    }
+
+    /// Gives a study the seed that is asked for.
+    pub fn apply_seed(&self, study: &mut Study) {
+        study.seed = self.seed.unwrap_or(study.seed);
+    }
+
+    /// The folder of results: by default the one called `name` among those of a study.
+    pub fn folder(&self, out: Option<&Path>, study: &Path, name: &str) -> PathBuf {
+        let of_study = || Path::new("results").join(study.file_stem().unwrap_or_default());
+        out.map_or_else(|| of_study().join(name), Path::to_owned)
+    }
+
+    /// Writes results into a folder, and prints them.
+    ///
+    /// # Errors
+    /// A file cannot be written, or the output.
+    pub fn finish(&self, outcome: &Outcome, folder: &Path) -> Result<(), Failure> {
+        let document = finish(outcome, folder, [], &[], self.json, &self.printed)?;
+        print_documents(document.as_slice(), 1)
+    }
+
+    /// How progress is shown.
+    pub fn how(&self) -> How {
+        self.progress.how(self.printed.quiet)
+    }
+}
+
+/// A number of trials.
+fn trials(text: &str) -> Result<u64, String> {
+    whole(text, 1..=MAX_TRIALS)
+}
+
+/// A seed.
+fn seed(text: &str) -> Result<u64, String> {
+    whole(text, 0..=i64::MAX.unsigned_abs())
+}
+
 /// A number of units of work.
 fn verified(text: &str) -> Result<u64, String> {
-    crate::arg_parsers::whole(text, 1..=1 << 32)
+    whole(text, 1..=1 << 32)
 }
 
 /// A number of threads.
@@ -296,10 +366,43 @@ fn joined(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     joined
 }
 
+/// Options whose values are names of columns, or of what has a limit, by themselves or before an equals sign.
+const OF_NAMES: [&str; 8] = ["--by", "--limit", "--of", "--series", "--where", "--x", "--y", "--z"];
+
+/// The arguments with present names for the former ones, and a note on each.
+fn replaced(arguments: Vec<OsString>) -> (Vec<OsString>, Vec<String>) {
+    let mut notes = vec![];
+    let mut take = |former: &str| match present(former) {
+        Some(present) => {
+            notes.push(note(former, &present));
+            present
+        }
+        None => former.to_owned(),
+    };
+    let mut names = |value: &str| {
+        let (list, rest) = value.find('=').map_or((value, ""), |at| value.split_at(at));
+        list.split(',').map(&mut take).collect::<Vec<_>>().join(",") + rest
+    };
+    let mut before = String::new();
+    let mut replaced = vec![];
+    for argument in arguments {
+        let present = argument.to_str().map(|text| match text.split_once('=') {
+            _ if OF_NAMES.contains(&&*before) => names(text),
+            Some((option, value)) if OF_NAMES.contains(&option) => format!("{option}={}", names(value)),
+            Some((option, value)) if option.starts_with("--") => format!("{}={value}", names(option)),
+            None if text.starts_with("--") => names(text),
+            _ => text.to_owned(),
+        });
+        before = argument.to_string_lossy().into_owned();
+        replaced.push(present.map_or(argument, OsString::from));
+    }
+    (replaced, notes)
+}
+
 /// Runs the program.
 pub fn main() -> ExitCode {
     crate::output::outlive_limits();
-    let (arguments, former) = crate::renamed::replaced(joined(std::env::args_os()));
+    let (arguments, former) = replaced(joined(std::env::args_os()));
     let color = crate::look::of_arguments(&arguments);
     let matches = command().color(color).try_get_matches_from(arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
@@ -324,5 +427,23 @@ pub fn main() -> ExitCode {
     match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn former_options_and_columns_are_replaced_and_names_of_files_are_not() {
+        for (former, present, count) in [
+            ("sensitivity oracle_rms.toml --by oracle_rms", "sensitivity oracle_rms.toml --by theory_rms", 1),
+            ("report r --y=rms,oracle_rms --where q95=law", "report r --y=rms,theory_rms --where p95=law", 2),
+            ("model a.csv --bound=repeat --out law", "model a.csv --overbound=repeat --out law", 1),
+        ] {
+            let (found, notes) = replaced(former.split(' ').map(OsString::from).collect());
+            assert_eq!(found.join(" ".as_ref()), OsString::from(present));
+            assert_eq!(notes.len(), count, "{notes:?}");
+        }
     }
 }

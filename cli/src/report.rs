@@ -56,14 +56,19 @@ Results are those of run, allan, compare, model, design, sensitivity and filler.
 page is made again; the other commands have written theirs, and its card for the gallery beside it.
 In a folder of folders, what design, sensitivity and filler wrote into the folders of studies is found too.";
 
+/// Redraws a chart of one folder with other keys than the study's.
+pub fn chart(options: &Options) -> Result<(), Failure> {
+    let [folder] = &options.folders[..] else {
+        let message = "a chart is redrawn in one folder\ngive one DIR";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    redraw(folder, &options.redraw, options.quiet, &options.progress)
+}
+
 /// Rebuilds the pages of studies, with a gallery for several results. A damaged folder does not affect the others.
 pub fn report(options: &Options) -> Result<(), Failure> {
     if options.redraw.is_asked() {
-        let [folder] = &options.folders[..] else {
-            let message = "a chart is redrawn in one folder\ngive one DIR";
-            return Err(Failure::Usage(message.to_owned()));
-        };
-        return redraw(folder, &options.redraw, options.quiet, &options.progress);
+        return chart(options);
     }
     let folders = results_in(&options.folders)?;
     for left_out in options.folders.iter().filter(|_| !options.quiet).filter_map(|folder| left_out(folder)) {

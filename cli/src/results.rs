@@ -14,7 +14,6 @@ use sagnac::chart::{Chart, Source};
 use sagnac::outcome::Outcome;
 use sagnac::quantity::number::significant;
 use sagnac::report::chart::notes::ChartError;
-use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::Provenance;
 use sagnac::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac::store::folder::Folder;
@@ -23,7 +22,7 @@ use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::tally::Share;
-use sagnac::view::picture::{chart_stem, refused, written};
+use sagnac::view::picture::{file_names, refused, written};
 use sagnac::view::stack::Shown as Curves;
 
 /// Whether a run of a study may write the files that it always writes into its folder.
@@ -35,22 +34,13 @@ pub fn check_places(study: &Study, plan: &Plan, folder: &Folder) -> Result<(), F
     let inputs = study.inputs();
     let kept = inputs.iter().map(|input| (input.name.as_str(), input.text.as_bytes()));
     let kept = kept.chain([(RESOLVED, resolved.as_bytes())]);
-    let names = names(study);
+    let names = file_names(study);
     let written = names.iter().filter(|name| *name != RESOLVED).map(|name| (name.as_str(), None));
     let is_kept = |name: &str| inputs.iter().any(|input| input.name == name);
     let written = written.filter(|(name, _)| !is_kept(name));
     let tables = plan.blank_tables();
     let tables = tables.all().map(|(source, _)| (source.file(), None));
     Ok(folder.check(kept.map(|(name, text)| (name, Some(text))).chain(written).chain(tables))?)
-}
-
-/// The names of the files that a run of a study always writes into its folder.
-pub fn names(study: &Study) -> Vec<String> {
-    let inputs = study.inputs().into_iter().map(|input| input.name.clone());
-    let charts = (0..study.charts.len()).map(|index| chart_stem(index, study.charts.len()));
-    let pictures = charts.flat_map(|stem| ["svg", "png"].map(|ending| format!("{stem}.{ending}")));
-    let fixed = [RESOLVED, REPORT, Source::Points.file()].map(str::to_owned);
-    fixed.into_iter().chain(inputs).chain(pictures).collect()
 }
 
 /// The store of existing results; an empty one for closed forms.
@@ -75,7 +65,7 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
     }
 }
 
-/// Whether [`chart_stem`] gives this name to a chart.
+/// Whether [`chart_stem`](sagnac::view::picture::chart_stem) gives this name to a chart.
 pub fn is_chart_stem(stem: &str) -> bool {
     let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
     stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))

@@ -8,9 +8,8 @@ use sagnac::study::Study;
 
 use crate::failure::{Failure, in_options};
 use crate::outcome::spell;
-use crate::program::DeviceArg;
+use crate::program::{DeviceArg, Sampling};
 use crate::progress::Shown;
-use crate::sampling::Sampling;
 use crate::{arg_parsers, chart, reading};
 
 const EXAMPLES: &str = "\

@@ -85,10 +85,7 @@ pub fn of_study<'py>(
     document(py, found)
 }
 
-fn document<'py>(
-    py: Python<'py>,
-    (firmware, found): (Firmware, Outcome),
-) -> PyResult<Bound<'py, PyDict>> {
+fn document<'py>(py: Python<'py>, (firmware, found): (Firmware, Outcome)) -> PyResult<Bound<'py, PyDict>> {
     let document = in_dict(py, found)?;
     document.set_item(
         "at",

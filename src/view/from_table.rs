@@ -236,12 +236,7 @@ fn along(column: &Column, rows: &[usize], place: impl Fn(usize) -> Option<f64>) 
 ///
 /// # Errors
 /// A column is missing, or a curve is refused; the error is for the first such curve.
-fn check_curves(
-    table: &Table,
-    chart: &Chart,
-    series: &[String],
-    rows: &[usize],
-) -> Result<(), ChartError> {
+fn check_curves(table: &Table, chart: &Chart, series: &[String], rows: &[usize]) -> Result<(), ChartError> {
     let columns =
         |names: &[String]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
     let (x, series, apart) = (table.column(&chart.x.name)?, columns(series)?, columns(&chart.apart)?);

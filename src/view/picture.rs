@@ -7,18 +7,28 @@ use sagnac_base::diagnostics::{StudyError, nearest};
 use sagnac_base::quantity::number::short;
 use sagnac_base::quantity::{Dimension, bare};
 use sagnac_base::table::{Cell, ColumnError};
-use sagnac_engine::chart::{Chart, Named, Shows};
+use sagnac_engine::chart::{Chart, Named, Shows, Source};
 use sagnac_engine::key::sweep::Swept;
 use sagnac_engine::kinds::{explain_key, explained_keys};
-use sagnac_engine::run::Tables;
+use sagnac_engine::run::{RESOLVED, Tables};
 use sagnac_engine::study::Study;
 pub use sagnac_report::chart::Drawn;
 use sagnac_report::chart::Picture;
 use sagnac_report::chart::notes::ChartError;
+use sagnac_report::page::FILE as REPORT;
 
 /// The names of a chart's files, without their endings.
 pub fn chart_stem(index: usize, charts: usize) -> String {
     if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
+}
+
+/// The names of the files that a run of a study always writes into its folder.
+pub fn file_names(study: &Study) -> Vec<String> {
+    let inputs = study.inputs().into_iter().map(|input| input.name.clone());
+    let charts = (0..study.charts.len()).map(|index| chart_stem(index, study.charts.len()));
+    let pictures = charts.flat_map(|stem| ["svg", "png"].map(|ending| format!("{stem}.{ending}")));
+    let fixed = [RESOLVED, REPORT, Source::Points.file()].map(str::to_owned);
+    fixed.into_iter().chain(inputs).chain(pictures).collect()
 }
 
 /// What results say that lack trials.

@@ -18,13 +18,12 @@ use sagnac::view::picture::pictures;
 
 use crate::failure::Failure;
 use crate::output::{print, print_documents};
-use crate::program::DeviceArg;
+use crate::program::{DeviceArg, Sampling};
 use crate::progress::{How, Planning, Shown};
 use crate::reading;
 use crate::results::{Ran, check_places};
 pub use crate::run::control::Cause;
 use crate::run::control::{Shard, Stop};
-use crate::sampling::Sampling;
 
 const EXAMPLES: &str = "\
 Examples:

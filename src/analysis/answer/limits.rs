@@ -257,7 +257,9 @@ fn winners(map: &Map, options: &[Entry], won: &[Option<Won>]) -> Option<Outline>
             };
             (headline("", &text), Some(value))
         }
-        _ => (headline("", &format!("{} has the least {} most often", shown.last()?.name, map.z.label)), None),
+        _ => {
+            (headline("", &format!("{} has the least {} most often", shown.last()?.name, map.z.label)), None)
+        }
     };
     Some(Outline { kind: Kind::Map, headline, value, table, met: met(map), ..Outline::default() })
 }

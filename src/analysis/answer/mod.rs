@@ -9,7 +9,7 @@ mod options;
 
 use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
-use crate::analysis::decision::best_option::{Bandless, apart, is_given, less_is_better};
+use crate::analysis::decision::best_option::{Bandless, apart, is_given, less_is_better, usual_filter};
 use crate::view::from_table::axis_unit;
 use crate::view::picture::{Drawn, refused};
 use crate::view::stack::{CURVE, Shown};
@@ -360,10 +360,7 @@ impl<'t> Question<'t> {
     /// The points of a study without its own chart.
     fn of_points(study: &'t Study, table: &'t Table, decided: Option<&Sheet>) -> Option<Question<'t>> {
         let y = table.usual(Usual::Answer)?;
-        // Errors and angles that the study omits have no rows.
-        let filter =
-            Some(study.usual_rows()).filter(|rows| table.rows_where(rows).is_ok()).unwrap_or_default();
-        let rows = table.rows_where(&filter).ok()?;
+        let rows = table.rows_where(&usual_filter(study, table)).ok()?;
         let x = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
         // Every study of the kind has the columns.
         let by = apart(study, Source::Points, table, vec![]).ok()?;
@@ -423,11 +420,6 @@ impl<'t> Question<'t> {
     pub(super) fn choices(&self) -> Vec<Choice> {
         let (rows_by, columns_by) = self.sides();
         let conditions = grouped(self.rows.iter().copied(), |row| key(columns_by, row));
-        let is_usable = |row: usize| {
-            self.unusable
-                .as_ref()
-                .is_none_or(|unusable| !unusable.names.contains(&unusable.column.cells[row].text().as_str()))
-        };
         let by_name = grouped(self.rows.iter().copied(), |row| key(rows_by, row));
         let choice = |(_, rows): (Vec<String>, Vec<usize>)| {
             let under = |condition: &Vec<String>| {
@@ -441,7 +433,7 @@ impl<'t> Question<'t> {
             Choice {
                 name: name(rows_by, rows[0]),
                 long: long(rows_by, rows[0]),
-                is_usable: is_usable(rows[0]),
+                is_usable: self.unusable.as_ref().is_none_or(|unusable| !unusable.has(rows[0])),
                 rows: conditions.iter().map(|(condition, _)| under(condition)).collect(),
             }
         };

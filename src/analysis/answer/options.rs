@@ -1,8 +1,8 @@
 //! Answers that compare options: their values side by side, and the value of the abscissa at which each is best.
 
 use crate::analysis::answer::{
-    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names,
-    place, reading_of_limit, sampled, spread, table,
+    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names, place,
+    reading_of_limit, sampled, spread, table,
 };
 use crate::analysis::decision::best_option::less_is_better;
 use sagnac_base::table::{Column, Role};

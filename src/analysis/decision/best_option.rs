@@ -87,10 +87,7 @@ impl<'t> Choice<'t> {
             by.into_iter().filter(|by| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]])).collect();
         let (given, chosen): (Vec<&Column>, Vec<&Column>) = by.into_iter().partition(|by| is_given(by));
         let bandless = Bandless::of(study, table);
-        let is_known = |row: usize| match &bandless {
-            Some(bandless) => bandless.names.contains(&bandless.column.cells[row].text().as_str()),
-            None => false,
-        };
+        let is_known = |row: usize| bandless.as_ref().is_some_and(|bandless| bandless.has(row));
         let left_out: Vec<String> = match rows.iter().all(|&row| is_known(row)) {
             true => vec![],
             false => {
@@ -192,9 +189,7 @@ struct Judged<'t> {
 fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, ColumnError> {
     let of = |source: Source, name: &str, limit, filter: Option<Vec<(String, String)>>| {
         let table = tables.of(source);
-        let filter = filter.unwrap_or_else(|| {
-            Some(study.usual_rows()).filter(|rows| table.rows_where(rows).is_ok()).unwrap_or_default()
-        });
+        let filter = filter.unwrap_or_else(|| usual_filter(study, table));
         let filter = with_whole(study, source, filter);
         Ok(Judged { source, table, column: table.column(name)?, limit, filter })
     };
@@ -228,6 +223,11 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
         [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| tables.points.usual(usual));
     let usual = usual.find(|column| column.role.less_is_better());
     usual.map(|column| of(Source::Points, &column.name, None, None)).transpose()
+}
+
+/// The filter of the usual rows of a study; an empty one where the study omits them.
+pub(crate) fn usual_filter(study: &Study, table: &Table) -> Vec<(String, String)> {
+    Some(study.usual_rows()).filter(|rows| table.rows_where(rows).is_ok()).unwrap_or_default()
 }
 
 /// A filter that selects the value of a text column that stands for all others, unless it selects one already.
@@ -301,5 +301,10 @@ impl<'a> Bandless<'a> {
             Tuning::Frequency => "exactly this motion",
         };
         Some(Bandless { column, names, why })
+    }
+
+    /// Whether a row has one of them.
+    pub(crate) fn has(&self, row: usize) -> bool {
+        self.names.contains(&self.column.cells[row].text().as_str())
     }
 }

@@ -1,9 +1,9 @@
 //! What changes of single inputs do at the operating point of a study.
 
 use crate::analysis::decision::best_option::Choice;
+use crate::analysis::decision::best_option::is_given;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value, mean_square};
 use crate::analysis::decision::{DecisionError, Figure, short};
-use crate::analysis::decision::best_option::is_given;
 use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::Table;
 use sagnac_engine::drift::{End, INTERVAL};
