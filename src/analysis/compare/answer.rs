@@ -2,11 +2,10 @@
 
 use crate::analysis::compare::logs::{Analysis, Judged, RatioLimit, Row, Side, Verdict};
 use crate::analysis::compare::{Length, NEAREST, SIGNIFICANT};
+use crate::analysis::log::report::of_column;
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
 use sagnac_base::quantity::number::{interval_ends, probability, significant};
-use sagnac_records::events::Event;
 use sagnac_records::fit::Term;
-use sagnac_records::record::log::measure::Data;
 use sagnac_report::answer::reading::{number, range};
 use sagnac_report::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
 
@@ -155,7 +154,7 @@ impl Analysis {
     fn facts(&self, critical: Option<&Judged>, told: Option<&Row>) -> Vec<Fact> {
         let mut facts = Vec::new();
         let records = |to: String| {
-            let [a, b] = self.sides.each_ref().map(|side| duration(side.length_s()));
+            let [a, b] = self.sides.each_ref().map(|side| duration(side.log.length_s()));
             let from = if a == b { a } else { format!("{a} and {b}") };
             let (key, label) = ("length".to_owned(), "records".to_owned());
             Fact::ChangeToDecide { alternatives: vec![Alternative { key, label, from, to }] }
@@ -194,7 +193,7 @@ impl Analysis {
 
 /// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
-    let mut notes: Vec<String> = analysis.sides.iter().flat_map(|side| of_side(side, analysis)).collect();
+    let mut notes: Vec<String> = analysis.sides.iter().flat_map(of_side).collect();
     let common = &analysis.comparison.common;
     if common.farthest > 0.0 {
         notes.push(format!(
@@ -216,32 +215,9 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     notes
 }
 
-fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
-    let mut notes: Vec<String> = side.reading.iter().map(|note| format!("{}: {note}", side.label)).collect();
-    if let Some(unit) = &side.overruled {
-        notes.push(format!("{}: the header says {unit}, but the given unit was used", side.label));
-    }
-    if side.missing > 0 {
-        notes.push(format!(
-            "{}: {} of {} samples are missing; terms that touch a gap are left out, and intervals of coefficients count \
-             gaps by the number of their samples only",
-            side.label, side.missing, side.samples
-        ));
-    }
-    let count = side.outliers.samples.len();
-    if count > 0 {
-        let of = if side.data == Data::Angle { " among the increments" } else { "" };
-        let named = if count == 1 { "outlier" } else { "outliers" };
-        let are_in_events =
-            side.outliers.samples.iter().all(|&sample| Event::is_in(&side.events.list, sample));
-        let fate = match analysis.treatment().outliers_removed {
-            true => "treated as gaps",
-            false if are_in_events => "left out with their events",
-            false => "kept; `remove_outliers = true` treats them as gaps",
-        };
-        notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));
-    }
-    notes
+fn of_side(side: &Side) -> Vec<String> {
+    let notes = side.log.reading.iter().cloned().chain(of_column(side.column(), &side.log));
+    notes.map(|note| format!("{}: {note}", side.label)).collect()
 }
 
 /// Formats a duration with two digits, such as `31 h`.

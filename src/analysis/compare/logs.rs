@@ -5,16 +5,14 @@ use std::path::{Path, PathBuf};
 use crate::analysis::batch::labels;
 use crate::analysis::compare::answer::{duration, times};
 use crate::analysis::compare::{Comparison, Difference, Length, NoCommonTime, SIGNIFICANT, compare};
-use crate::analysis::log::events::{Record, Row as Shown};
-use crate::analysis::log::{Treatment, digest, temperatures};
+use crate::analysis::log::events::{Row as Shown, of_record};
+use crate::analysis::log::{self, Column, Treatment};
 use crate::analysis::requirement::{Judgement, LimitError, Limited, Standing, is_fitted, named, twice};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
 use sagnac_records::events::Events;
 use sagnac_records::fit::{Fitting, Term};
 use sagnac_records::record::log::Log;
-use sagnac_records::record::log::measure::Data;
-use sagnac_records::record::log::outliers::Outliers;
 use sagnac_report::answer::reading::range;
 
 /// Why two logs cannot be compared.
@@ -65,33 +63,10 @@ pub struct Analysis {
 /// A log.
 #[derive(Debug)]
 pub struct Side {
-    /// Its file.
-    pub path: PathBuf,
-    /// Compared column.
-    pub column: String,
+    /// The log with its compared column, without curves and coefficients.
+    pub log: log::Analysis,
     /// Label that distinguishes it from the other log.
     pub label: String,
-    /// Quantity of its samples.
-    pub data: Data,
-    /// Number of samples, including missing ones.
-    pub samples: usize,
-    /// Time from sample to sample, s.
-    pub step_s: f64,
-    /// What was inferred about the file, and what looks doubtful in it, in a line each.
-    pub reading: Vec<String>,
-    /// Number of missing samples, and of outliers and samples of events that were removed.
-    pub missing: usize,
-    /// Outliers of the rates or increments in the file.
-    pub outliers: Outliers,
-    /// What the record holds besides noise, which is not compared, and the record without it.
-    pub events: Events<'static>,
-    /// Names of the columns of temperature.
-    pub thermometers: Vec<String>,
-    /// Unit in the header, where another one was used.
-    pub overruled: Option<String>,
-    unit: Unit,
-    treatment: Treatment,
-    digest: u64,
 }
 
 impl Side {
@@ -99,46 +74,31 @@ impl Side {
     pub fn heading(&self) -> String {
         format!(
             "{}, {}: {} samples at {} Hz, {}",
-            self.path.display(),
-            self.column,
-            self.samples,
-            significant(1.0 / self.step_s, 7),
-            duration(self.length_s())
+            self.log.path.display(),
+            self.column().name,
+            self.log.samples,
+            significant(1.0 / self.log.step_s, 7),
+            duration(self.log.length_s())
         )
     }
 
-    /// Time from the first sample to the end of the last, s.
-    pub fn length_s(&self) -> f64 {
-        self.samples as f64 * self.step_s
+    /// The compared column.
+    pub fn column(&self) -> &Column {
+        &self.log.columns[0]
     }
 
-    /// The only column of `log`; of several columns, `proposed` names one of each log.
-    fn of((path, log): (&Path, &Log), proposed: &str, treatment: &Treatment) -> Result<Side, CompareError> {
+    /// The only column of `log`, and its record without events; of several columns, `proposed` names one of each log.
+    fn of(
+        (path, log): (&Path, &Log),
+        proposed: &str,
+        treatment: &Treatment,
+    ) -> Result<(Side, Events<'static>), CompareError> {
         let [channel] = &log.channels[..] else {
             let (path, columns) = (path.to_owned(), names(log).join(", "));
             return Err(CompareError::Columns { path, columns, proposed: proposed.to_owned() });
         };
-        let samples = channel.view(log.data, log.step_s);
-        let (angles, outliers) = treatment.recorded(&samples);
-        let (thermometers, temperatures) = temperatures(log);
-        let events = treatment.events(&angles, &outliers, &temperatures).owned();
-        Ok(Side {
-            path: path.to_owned(),
-            column: channel.name.clone(),
-            label: String::new(),
-            data: log.data,
-            samples: log.samples(),
-            step_s: log.step_s,
-            reading: log.notes.clone(),
-            missing: events.without.missing(),
-            outliers,
-            events,
-            thermometers,
-            overruled: channel.overruled(),
-            unit: channel.unit.curves,
-            treatment: treatment.of(log),
-            digest: digest(&channel.samples),
-        })
+        let (log, events) = log::Analysis::of_record(log, channel, path, treatment);
+        Ok((Side { log, label: String::new() }, events))
     }
 }
 
@@ -156,32 +116,33 @@ impl Analysis {
         let mut firsts: Vec<&str> = logs.iter().filter_map(|(_, log)| names(log).first().copied()).collect();
         firsts.dedup();
         let proposed = firsts.join(",");
-        let [mut a, mut b] =
-            [Side::of(logs[0], &proposed, treatment)?, Side::of(logs[1], &proposed, treatment)?];
-        if a.unit != b.unit {
-            return Err(CompareError::Units { units: [a.unit, b.unit], paths: [a.path, b.path] });
+        let (mut a, of_a) = Side::of(logs[0], &proposed, treatment)?;
+        let (mut b, of_b) = Side::of(logs[1], &proposed, treatment)?;
+        let unit = a.column().unit;
+        if unit != b.column().unit {
+            let units = [unit, b.column().unit];
+            return Err(CompareError::Units { units, paths: [a.log.path, b.log.path] });
         }
-        let labels = labels(&[(&a.path, &a.column), (&b.path, &b.column)], 2);
-        (a.label, b.label) = match labels.as_deref() {
-            Some([of_a, of_b]) => (of_a.clone(), of_b.clone()),
-            _ => ("A".to_owned(), "B".to_owned()),
+        let named = [(&*a.log.path, &*a.column().name), (&*b.log.path, &*b.column().name)];
+        let [label_a, label_b] = match labels(&named, 2).as_deref() {
+            Some([a, b]) => [a.clone(), b.clone()],
+            _ => ["A", "B"].map(str::to_owned),
         };
-        let comparison = compare(&a.events, &b.events, fitting)?;
-        let rows = rows(&comparison, a.unit);
-        Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
+        (a.label, b.label) = (label_a, label_b);
+        let comparison = compare(&of_a, &of_b, fitting)?;
+        let rows = rows(&comparison, unit);
+        let is_one_record = is_one_record(&a, &b);
+        let mut sides = [a, b];
+        sides[1].log.columns[0].same_as = is_one_record.then(|| sides[0].label.clone());
+        for (record, side) in sides.iter_mut().enumerate() {
+            side.log.columns[0].events.extend_from_slice(comparison.shown(record));
+        }
+        Ok(Analysis { unit, is_one_record, comparison, rows, sides })
     }
 
     /// What each record shows besides noise, under its label.
-    pub fn events(&self) -> [Vec<Shown>; 2] {
-        [0, 1].map(|i| {
-            let Side { label: name, unit, treatment, step_s, events, thermometers, .. } = &self.sides[i];
-            // Events are not compared.
-            let treatment = &Treatment { events_removed: true, ..*treatment };
-            let record =
-                Record { name, unit: *unit, treatment, step_s: *step_s, keeps_events: false, thermometers };
-            let same = (i == 1 && self.is_one_record).then(|| record.same(&self.sides[0].label));
-            same.into_iter().chain(record.rows(events.list.iter().chain(self.comparison.shown(i)))).collect()
-        })
+    pub fn events(&self) -> Vec<Shown> {
+        self.sides.iter().flat_map(|side| of_record(&side.log, side.column(), &side.label)).collect()
     }
 
     /// The labels of both logs.
@@ -192,12 +153,12 @@ impl Analysis {
     /// The treatment of both records.
     pub fn treatment(&self) -> Treatment {
         let [a, b] = &self.sides;
-        a.treatment.common(b.treatment)
+        a.log.treatment.common(b.log.treatment)
     }
 
     /// Length of the shorter record, s.
     pub fn shorter_s(&self) -> f64 {
-        self.sides[0].length_s().min(self.sides[1].length_s())
+        self.sides[0].log.length_s().min(self.sides[1].log.length_s())
     }
 }
 
@@ -207,8 +168,9 @@ fn names(log: &Log) -> Vec<&str> {
 }
 
 fn is_one_record(a: &Side, b: &Side) -> bool {
-    let file = |side: &Side| side.path.canonicalize().ok();
-    a.digest == b.digest || (a.column == b.column && file(a).is_some_and(|path| Some(path) == file(b)))
+    let file = |side: &Side| side.log.path.canonicalize().ok();
+    let is_one_file = || file(a).is_some_and(|path| Some(path) == file(b));
+    a.column().digest == b.column().digest || (a.column().name == b.column().name && is_one_file())
 }
 
 /// A requirement on two logs: the largest accepted ratio of a coefficient, the second log over the first.

@@ -1,7 +1,7 @@
 //! Tables and charts of a comparison.
 
 use crate::analysis::compare::answer::{duration, times};
-use crate::analysis::compare::logs::{Analysis, Row, Verdict};
+use crate::analysis::compare::logs::{Analysis, Row, Side, Verdict};
 use crate::analysis::compare::{Length, Ratio};
 use crate::analysis::log::figures::{along, line, points};
 use crate::analysis::log::records::Record;
@@ -159,19 +159,10 @@ fn beyond(length: Length) -> Option<f64> {
 
 /// The records of both logs: `records.csv`.
 pub fn records(analysis: &Analysis) -> Table {
-    records::table(analysis.sides.iter().map(|side| Record {
-        name: &side.label,
-        path: &side.path,
-        data: side.data,
-        samples: side.samples,
-        step_s: side.step_s,
-        missing: side.missing,
-        outliers: &side.outliers,
-        unit: analysis.unit,
+    records::table(analysis.sides.iter().map(|Side { log, label }| Record {
         mean: None,
         slope: None,
-        noise: None,
-        density: None,
+        ..Record::new(log, &log.columns[0], label)
     }))
 }
 
@@ -245,7 +236,7 @@ fn fits(analysis: &Analysis) -> Option<[ChartLine; 2]> {
     Some([0, 1].map(|i| {
         let points = figures::described(&fits[i], &analysis.comparison.curves[i]);
         let longest = points.partition_point(|point| point.tau_s < 1.01 * fits[i].tau_range[1]);
-        line(&fits[i].process, Deviation::Oadev, &points[..longest], analysis.sides[i].samples)
+        line(&fits[i].process, Deviation::Oadev, &points[..longest], analysis.sides[i].log.samples)
     }))
 }
 
@@ -261,7 +252,8 @@ fn measured(fit: &ChartLine) -> String {
 
 /// The lengths of both records and their treatment.
 fn subtitle(analysis: &Analysis) -> String {
-    let of = |i: usize| format!("{}: {}", analysis.sides[i].label, duration(analysis.sides[i].length_s()));
+    let of =
+        |i: usize| format!("{}: {}", analysis.sides[i].label, duration(analysis.sides[i].log.length_s()));
     format!("{}; {}; {}", of(0), of(1), analysis.treatment().summary())
 }
 

@@ -243,7 +243,12 @@ pub fn rows(analysis: &Analysis) -> Vec<Row> {
 
 /// The events of a column, without single gaps and outliers.
 pub(crate) fn of_column(analysis: &Analysis, column: &Column) -> Vec<Row> {
-    let record = record(analysis, column);
+    of_record(analysis, column, &column.name)
+}
+
+/// The events of a column under another name, without single gaps and outliers.
+pub(crate) fn of_record(analysis: &Analysis, column: &Column, name: &str) -> Vec<Row> {
+    let record = Record { name, ..record(analysis, column) };
     let same = column.same_as.iter().map(|other| record.same(other));
     same.chain(record.rows(&column.events)).collect()
 }

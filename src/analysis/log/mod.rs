@@ -150,6 +150,26 @@ pub struct Column {
 }
 
 impl Column {
+    /// A column whose samples have these outliers, and these angles, without curves and coefficients.
+    fn new(channel: &Channel, samples: &Samples, outliers: Outliers, angles: &Angles) -> Column {
+        Column {
+            name: channel.name.clone(),
+            unit: channel.unit.curves,
+            overruled: channel.overruled(),
+            missing: angles.missing(),
+            digest: digest(&channel.samples),
+            same_as: None,
+            gaps: samples.gaps(),
+            mean_rate: samples.mean_rate(),
+            slope: slope(angles, samples),
+            spread: angles.spread().clone(),
+            curves: vec![],
+            outliers,
+            events: vec![],
+            noise: Ok(None),
+        }
+    }
+
     /// The noise, where there is one.
     pub fn noise(&self) -> Option<&DataSheet> {
         self.noise.as_ref().ok()?.as_ref()
@@ -348,18 +368,47 @@ impl Analysis {
         let column = |channel: &Channel| column(log, channel, &temperatures, treatment, request, progress);
         let mut columns: Vec<Column> = log.channels.iter().map(column).collect::<Result<_, _>>()?;
         note_equal(&mut columns, &mut vec![], |column| column.name.clone());
+        let keeps_events = request.keeps_events();
+        let confidence = request.confidence;
         Ok(Analysis {
+            confidence,
+            keeps_events,
+            columns,
+            ..Analysis::new(log, path, treatment, thermometers)
+        })
+    }
+
+    /// A log without an analysis of its columns.
+    fn new(log: &Log, path: &Path, treatment: &Treatment, thermometers: Vec<String>) -> Analysis {
+        Analysis {
             path: path.to_owned(),
             data: log.data,
             samples: log.samples(),
             step_s: log.step_s,
-            confidence: request.confidence,
+            confidence: 0.95,
             treatment: treatment.of(log),
             reading: log.notes.clone(),
-            keeps_events: request.keeps_events(),
+            keeps_events: false,
             thermometers,
-            columns,
-        })
+            columns: vec![],
+        }
+    }
+
+    /// A column of a log without curves and coefficients, and its record without events, which are left out of a comparison.
+    pub(crate) fn of_record(
+        log: &Log,
+        channel: &Channel,
+        path: &Path,
+        treatment: &Treatment,
+    ) -> (Analysis, Events<'static>) {
+        let treatment = &Treatment { events_removed: true, ..*treatment };
+        let samples = channel.view(log.data, log.step_s);
+        let (recorded, outliers) = treatment.recorded(&samples);
+        let (thermometers, temperatures) = temperatures(log);
+        let events = treatment.events(&recorded, &outliers, &temperatures).owned();
+        let column = Column::new(channel, &samples, outliers, &events.without);
+        let columns = vec![Column { events: events.list.clone(), ..column }];
+        (Analysis { columns, ..Analysis::new(log, path, treatment, thermometers) }, events)
     }
 
     /// Time from the first sample to the end of the last, s.
@@ -428,7 +477,7 @@ fn note_equal(columns: &mut [Column], earlier: &mut Vec<(u64, String)>, name: im
 }
 
 /// The hash of some samples, by which records are told apart.
-pub(crate) fn digest(samples: &[f64]) -> u64 {
+fn digest(samples: &[f64]) -> u64 {
     // That of rustc, which takes a tenth of the time of a hash for foreign keys.
     let next = |hash: u64, word: u64| (hash.rotate_left(5) ^ word).wrapping_mul(0x517c_c1b7_2722_0a95);
     let of = |part: &[f64]| part.iter().map(|sample| sample.to_bits()).fold(0, next);
@@ -471,29 +520,13 @@ fn column(
             channel.name
         ));
     }
-    let slope = slope(angles, &samples);
-    let (spread, missing) = (angles.spread().clone(), angles.missing());
+    let column = Column::new(channel, &samples, outliers, angles);
     if request.keeps_events() && !treatment.events_removed {
         events = events.kept(&recorded);
     }
     let noise =
         request.fitting.as_ref().map(|request| DataSheet::of(&events, request, unit, simulated)).transpose();
-    Ok(Column {
-        name: channel.name.clone(),
-        unit,
-        overruled: channel.overruled(),
-        missing,
-        digest: digest(&channel.samples),
-        same_as: None,
-        gaps: samples.gaps(),
-        mean_rate: samples.mean_rate(),
-        slope,
-        spread,
-        curves,
-        outliers,
-        events: listed(events.list, &noise),
-        noise,
-    })
+    Ok(Column { curves, events: listed(events.list, &noise), noise, ..column })
 }
 
 /// The events of a record with those that its fit shows.

@@ -203,7 +203,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 pub(crate) fn of_columns(analysis: &Analysis) -> Vec<String> {
     let mut found: Vec<(String, Vec<&str>)> = Vec::new();
     for column in &analysis.columns {
-        for note in of_column(column, analysis).into_iter().flatten() {
+        for note in of_column(column, analysis) {
             match found.iter_mut().find(|(other, _)| *other == note) {
                 Some((_, names)) => names.push(&column.name),
                 None => found.push((note, vec![&column.name])),
@@ -213,7 +213,8 @@ pub(crate) fn of_columns(analysis: &Analysis) -> Vec<String> {
     found.into_iter().map(|(note, names)| format!("{}: {note}", names.join(", "))).collect()
 }
 
-fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
+/// The notes on a column.
+pub(crate) fn of_column(column: &Column, analysis: &Analysis) -> impl Iterator<Item = String> {
     let noise = column.noise();
     let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
         format!(
@@ -242,6 +243,8 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
         outliers(column, analysis),
         spread(column),
     ]
+    .into_iter()
+    .flatten()
 }
 
 /// Where a fit starts that leaves out the shortest τ, and what it says of the filter of the sensor if it shows one.

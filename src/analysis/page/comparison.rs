@@ -5,7 +5,7 @@ use crate::analysis::compare::answer::notes;
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::report;
 use crate::analysis::log::events;
-use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
+use crate::analysis::page::record::{self, Source};
 use crate::analysis::page::{chart, grid, shown};
 use crate::analysis::requirement::Decision;
 use sagnac_base::table::titled;
@@ -27,18 +27,23 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
     let coefficients = report::coefficients(analysis);
     let omitted = ["length_beyond", "described", "log_a", "log_b"];
     let of_fits = (coefficients.rows() > 0).then(|| Block::Grid(grid(&coefficients, &omitted)));
-    let shows = analysis.events().concat();
+    let shows = analysis.events();
+    let treatment = analysis.treatment();
+    let sources = [0, 1].map(|i| {
+        let (Side { log: analysis, label }, log) = (&analysis.sides[i], logs[i]);
+        Source { name: label, log, channel: &log.channels[0], analysis, column: &analysis.columns[0] }
+    });
     Page {
         title: format!("{a} and {b} compared"),
         scope: String::new(),
-        subtitle: format!("Is {b} noisier than {a}? {}", capitalized(&analysis.treatment().summary())),
+        subtitle: format!("Is {b} noisier than {a}? {}", capitalized(&treatment.summary())),
         answer: decision.answer.clone(),
         notes: notes(analysis),
         sections: vec![
             Section::new("deviations", "Deviations", deviations),
             Section::new("coefficients", "Coefficients", of_fits),
             shown("What these records show", &shows),
-            Section::new("record", "Records", records(logs, analysis)),
+            record::section("Records", &sources, "records", treatment.lines(analysis.shorter_s())),
         ],
         tables: analysis
             .rows
@@ -53,30 +58,6 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
             .chain(decision.file())
             .collect(),
     }
-}
-
-fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
-    let missing = logs.map(|log| log.channels[0].view(log.data, log.step_s).gaps());
-    let sides = || analysis.sides.iter();
-    let recorded = sides().zip(logs).zip(&missing);
-    let recorded: Vec<Recorded> = recorded
-        .map(|((side, log), gaps)| {
-            let removed = removed(&side.outliers, analysis.treatment().outliers_removed, &side.events.list);
-            Recorded::of(&side.label, log, &log.channels[0], &side.outliers, gaps, removed)
-        })
-        .collect();
-    let mut blocks = charts(&recorded, "records");
-    let of = |said: &dyn Fn(&Side, &Recorded) -> String| {
-        by_name(sides().zip(&recorded).map(|(side, record)| (record.name, said(side, record))).collect())
-    };
-    blocks.push(Block::Facts(vec![
-        ("Files", of(&|side, _| format!("{}, column {}", side.path.display(), side.column))),
-        ("Samples", of(&|side, _| sampling(side.samples, side.step_s))),
-        ("Treatment", analysis.treatment().lines(analysis.shorter_s())),
-        ("Gaps", of(&|_, record| gaps(record.gaps, record.log.step_s, |sample| record.time(sample as f64)))),
-        ("Outliers", of(&|_, record| outliers(record.outliers, |sample| record.time(sample as f64)))),
-    ]));
-    blocks
 }
 
 /// The page of a batch of units with the decision to which it leads.

@@ -7,7 +7,7 @@ use crate::analysis::compare::power_analysis::expected;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::dynamic::{self, Dynamic};
 use crate::analysis::log::{Analysis as Noise, Column, events, figures, noise_file, report};
-use crate::analysis::page::record::{self, by_name};
+use crate::analysis::page::record::{self, Source, by_name};
 use crate::analysis::page::{chart, grid, grid_where, range, shown, spectrum, texts};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, report as of_spectra};
 use crate::analysis::temperature::{self, Temperature};
@@ -41,12 +41,16 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
         ("events.csv", events::table(noise)),
         ("records.csv", of_spectra::records(analysis)),
     ];
+    let columns = log.channels.iter().zip(&noise.columns);
+    let sources =
+        columns.map(|(channel, column)| Source { name: &column.name, log, channel, analysis: noise, column });
+    let sources: Vec<Source> = sources.collect();
     let sections = [
         deviations(noise),
         coefficients(noise),
         spectrum::section(analysis, without),
         shown("What this record shows", &events::rows(noise)),
-        record::section(log, noise),
+        record::section("Record", &sources, "columns", noise.treatment.lines(noise.length_s())),
     ];
     Page {
         title: format!("Noise of {file}"),

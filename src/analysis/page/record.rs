@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::analysis::log::{Analysis, Column};
+use crate::analysis::log::{Analysis, Column, Treatment};
 use crate::analysis::page::in_unit;
 use crate::view::picture::Drawn;
 use sagnac_base::quantity::number::significant;
@@ -21,7 +21,7 @@ use sagnac_report::page::{Block, Section};
 const MAX_PARTS: [usize; 2] = [4000, 1000];
 
 /// A record to draw.
-pub(crate) struct Recorded<'a> {
+struct Recorded<'a> {
     pub name: &'a str,
     pub log: &'a Log,
     pub unit: &'a Unit,
@@ -33,32 +33,50 @@ pub(crate) struct Recorded<'a> {
     pub removed: Vec<usize>,
 }
 
-/// The section on the record of a log.
-pub(crate) fn section(log: &Log, analysis: &Analysis) -> Section {
-    let recorded = log.channels.iter().zip(&analysis.columns).map(|(channel, column)| {
-        let Column { name, outliers, gaps, events, .. } = column;
-        let events = if analysis.treatment.events_removed { &events[..] } else { &[] };
-        let removed = removed(outliers, analysis.treatment.outliers_removed, events);
-        Recorded::of(name, log, channel, outliers, gaps, removed)
-    });
-    let mut blocks = charts(&recorded.collect::<Vec<_>>(), "columns");
-    blocks.push(Block::Facts(facts(analysis)));
-    Section::new("record", "Record", blocks)
+/// A column of a log with its analysis, as a section shows it.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    pub log: &'a Log,
+    pub channel: &'a Channel,
+    pub analysis: &'a Analysis,
+    pub column: &'a Column,
 }
 
-fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
-    let of = |said: &dyn Fn(&Column) -> Option<String>| {
-        by_name(analysis.columns.iter().filter_map(|column| Some((&*column.name, said(column)?))).collect())
+/// The section on some records, which its legend calls `columns` or `records`; `treatment` says what was done to all of them.
+pub(crate) fn section(
+    heading: &'static str,
+    sources: &[Source],
+    called: &str,
+    treatment: Vec<String>,
+) -> Section {
+    let recorded = sources.iter().map(|one| {
+        let Column { outliers, gaps, events, .. } = one.column;
+        let Treatment { events_removed, outliers_removed, .. } = one.analysis.treatment;
+        let removed = removed(outliers, outliers_removed, if events_removed { events } else { &[] });
+        Recorded::of(one.name, one.log, one.channel, outliers, gaps, removed)
+    });
+    let mut blocks = charts(&recorded.collect::<Vec<_>>(), called);
+    blocks.push(Block::Facts(facts(sources, treatment)));
+    Section::new("record", heading, blocks)
+}
+
+fn facts(sources: &[Source], treatment: Vec<String>) -> Vec<(&'static str, Vec<String>)> {
+    let of = |text: &dyn Fn(&Source) -> Option<String>| {
+        by_name(sources.iter().filter_map(|one| Some((one.name, text(one)?))).collect())
     };
     let mean = |column: &Column| Some(in_unit(column.mean_rate?, column.unit.symbol(Deviation::Oadev)));
+    let is_linear = |one: &Source| one.analysis.treatment.trend == Trend::Linear;
+    let gaps = |one: &Source| gaps(&one.column.gaps, one.analysis.step_s, |sample| one.analysis.time(sample));
     let facts = [
-        ("File", vec![analysis.path.display().to_string()]),
-        ("Samples", vec![sampling(analysis.samples, analysis.step_s)]),
-        ("Treatment", analysis.treatment.lines(analysis.length_s())),
-        ("Mean", of(&mean)),
-        ("Removed trend", of(&|column| (analysis.treatment.trend == Trend::Linear).then(|| slope(column)))),
-        ("Gaps", of(&|column| Some(gaps(&column.gaps, analysis.step_s, |sample| analysis.time(sample))))),
-        ("Outliers", of(&|column| Some(outliers(&column.outliers, |sample| analysis.time(sample))))),
+        ("File", of(&|one| Some(one.analysis.path.display().to_string()))),
+        ("Samples", of(&|one| Some(sampling(one.analysis.samples, one.analysis.step_s)))),
+        ("Treatment", treatment),
+        ("Mean", of(&|one| mean(one.column))),
+        ("Removed trend", of(&|one| is_linear(one).then(|| slope(one.column)))),
+        ("Gaps", of(&|one| Some(gaps(one)))),
+        ("Outliers", of(&|one| Some(outliers(&one.column.outliers, |sample| one.analysis.time(sample))))),
     ];
     facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
 }
@@ -74,12 +92,12 @@ fn slope(column: &Column) -> String {
 }
 
 /// The number of samples and their spacing.
-pub(crate) fn sampling(samples: usize, step_s: f64) -> String {
+fn sampling(samples: usize, step_s: f64) -> String {
     format!("{samples}, one every {} s ({} Hz)", significant(step_s, 9), significant(1.0 / step_s, 7))
 }
 
 /// The gaps of a record in words.
-pub(crate) fn gaps(gaps: &[Range<usize>], step_s: f64, time: impl Fn(usize) -> f64) -> String {
+fn gaps(gaps: &[Range<usize>], step_s: f64, time: impl Fn(usize) -> f64) -> String {
     let Some(longest) = gaps.iter().max_by_key(|gap| gap.len()) else { return "none".to_owned() };
     let missing: usize = gaps.iter().map(Range::len).sum();
     let (length, at) = (significant(longest.len() as f64 * step_s, 4), significant(time(longest.start), 9));
@@ -90,7 +108,7 @@ pub(crate) fn gaps(gaps: &[Range<usize>], step_s: f64, time: impl Fn(usize) -> f
 }
 
 /// The outliers of a record in words.
-pub(crate) fn outliers(outliers: &Outliers, time: impl Fn(usize) -> f64) -> String {
+fn outliers(outliers: &Outliers, time: impl Fn(usize) -> f64) -> String {
     match &outliers.samples[..] {
         [] => "none".to_owned(),
         [only] => format!("one at {} s", significant(time(*only), 9)),
@@ -111,7 +129,7 @@ pub(crate) fn by_name(said: Vec<(&str, String)>) -> Vec<String> {
 
 /// The charts of some records, two for each of their units: the extremes, and the means less their mean. The legend calls
 /// them `columns` or `records`.
-pub(crate) fn charts(records: &[Recorded], called: &str) -> Vec<Block> {
+fn charts(records: &[Recorded], called: &str) -> Vec<Block> {
     let mut of_units: Vec<Vec<(usize, &Recorded)>> = Vec::new();
     for (at, record) in records.iter().enumerate() {
         let is_alike = |unit: &Unit| (unit.curves, unit.factor) == (record.unit.curves, record.unit.factor);
@@ -254,7 +272,7 @@ fn time_unit(end_s: f64) -> (f64, &'static str) {
 }
 
 /// The samples that are treated as gaps, with these events removed, in their order.
-pub(crate) fn removed(outliers: &Outliers, are_outliers_removed: bool, events: &[Event]) -> Vec<usize> {
+fn removed(outliers: &Outliers, are_outliers_removed: bool, events: &[Event]) -> Vec<usize> {
     let bursts = events.iter().filter(|event| event.what == What::NoiseBurst);
     let bursts = bursts.filter_map(|event| event.samples).flat_map(|[from, to]| from..to);
     let is_removed = |sample: &usize| are_outliers_removed || Event::is_in(events, *sample);
@@ -265,7 +283,7 @@ pub(crate) fn removed(outliers: &Outliers, are_outliers_removed: bool, events: &
 }
 
 impl<'a> Recorded<'a> {
-    pub(crate) fn of(
+    fn of(
         name: &'a str,
         log: &'a Log,
         channel: &'a Channel,
