@@ -18,6 +18,9 @@ use crate::output::{Printed, print, print_drawn, write_table};
 const MIN_NOTES: usize = 2;
 const MAX_LINES: usize = 20;
 
+/// Lines that facts take which are not known yet, at most.
+pub const LINES_OF_FACTS: usize = 4;
+
 /// Writes the results of a command that read `inputs` into a folder, and prints them with the lines `places` on what else was written;
 /// or returns them as JSON.
 ///
@@ -78,31 +81,40 @@ pub fn save_page(outcome: &Outcome, folder: &Folder) -> Result<(), Failure> {
     Ok(folder.commit()?)
 }
 
+/// Writes the page again, whose charts and tables are as they were.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn save_text(outcome: &Outcome, folder: &Folder) -> Result<(), Failure> {
+    folder.write(REPORT, outcome.page.html(&spell).as_bytes())?;
+    Ok(folder.commit()?)
+}
+
 /// Prints the notes, what is asked for of the first chart and the details, the answer and where the files are, and opens the page if
 /// that is asked for.
 ///
 /// # Errors
 /// The output cannot be written.
 pub fn show(outcome: &Outcome, places: &[String], printed: &Printed, folder: &Path) -> Result<(), Failure> {
-    print_parts(outcome, places, printed, folder)?;
-    printed.open_page(folder);
-    Ok(())
+    let facts = outcome.page.answer.text_of_facts(look::width());
+    show_result(outcome, printed, facts.lines().count())?;
+    show_facts(outcome, places, printed, folder)
 }
 
-fn print_parts(
-    outcome: &Outcome,
-    places: &[String],
-    printed: &Printed,
-    folder: &Path,
-) -> Result<(), Failure> {
+/// Prints what [`show`] prints before the facts of the answer, for which it leaves room.
+///
+/// # Errors
+/// The output cannot be written.
+pub fn show_result(outcome: &Outcome, printed: &Printed, lines_of_facts: usize) -> Result<(), Failure> {
     let Outcome { page, heading, details, .. } = outcome;
     if printed.quiet {
         let headline = &page.answer.headline;
         return if headline.is_empty() { Ok(()) } else { print(headline) };
     }
-    let text = format!("{}\n{}", look::wrapped(heading, look::width()), page.answer.text(look::width()));
+    let width = look::width();
+    let text = format!("{}\n{}", look::wrapped(heading, width), page.answer.text_without_facts(width));
     let notes = page.all_notes();
-    let room = MAX_LINES.saturating_sub(text.lines().count()).max(MIN_NOTES);
+    let room = MAX_LINES.saturating_sub(text.lines().count() + 1 + lines_of_facts).max(MIN_NOTES);
     let few = if printed.verbose { notes.len() } else { room };
     notes.iter().take(few).for_each(|note| note!("{}", in_options(note)));
     if notes.len() > few {
@@ -122,9 +134,28 @@ fn print_parts(
         print(&part)?;
         print("")?;
     }
-    print(&text)?;
-    places.iter().for_each(|place| say!("{place}"));
-    say!("report {}", folder.join(REPORT).display());
+    print(&text)
+}
+
+/// Prints the facts of the answer and where the files are, and opens the page if that is asked for.
+///
+/// # Errors
+/// The output cannot be written.
+pub fn show_facts(
+    outcome: &Outcome,
+    places: &[String],
+    printed: &Printed,
+    folder: &Path,
+) -> Result<(), Failure> {
+    if !printed.quiet {
+        let facts = outcome.page.answer.text_of_facts(look::width());
+        if !facts.is_empty() {
+            print(&format!("\n{facts}"))?;
+        }
+        places.iter().for_each(|place| say!("{place}"));
+        say!("report {}", folder.join(REPORT).display());
+    }
+    printed.open_page(folder);
     Ok(())
 }
 

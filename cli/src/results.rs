@@ -6,10 +6,10 @@ use std::thread;
 
 use crate::failure::Failure;
 use crate::look;
-use crate::outcome::{save_page, show, spell};
+use crate::outcome::{LINES_OF_FACTS, save_page, save_text, show, show_facts, show_result, spell};
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
-use sagnac::analysis::page::Results;
+use sagnac::analysis::page::{PARTIAL, Results, add_sampled_facts};
 use sagnac::chart::{Chart, Source};
 use sagnac::outcome::Outcome;
 use sagnac::quantity::number::significant;
@@ -112,15 +112,16 @@ impl Ran<'_> {
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // Long tables take as long to write as everything else that is made of them. They have a thread of their own, because the
         // others wait for what they share among threads.
-        let mut outcome = thread::scope(|scope| {
+        let (mut outcome, is_partial) = thread::scope(|scope| {
             let written = scope.spawn(|| write_tables(folder, &tables));
-            let results = Results::new(plan, store, &tables, *lacking, degraded, progress)?;
+            let results = Results::new(plan, store, &tables, *lacking, degraded)?;
             let resolved = (RESOLVED.to_owned(), results.resolved().into_bytes());
             let details = if shown.table { summary(study, &tables, &results.curves)? } else { String::new() };
+            let is_partial = results.is_partial;
             let page = results.page(&written.join().unwrap_or_else(|panic| resume_unwind(panic))?);
             let outcome = Outcome::new(format!("{} · {}", page.title, page.scope), page);
             let (files, provenance) = (vec![resolved], self.provenance());
-            Ok::<_, Failure>(Outcome { details, provenance, files, ..outcome })
+            Ok::<_, Failure>((Outcome { details, provenance, files, ..outcome }, is_partial))
         })?;
         outcome.page.tables = tables.into_files(&study.charts);
         let pictures = folder.listed().into_iter().filter_map(|name| {
@@ -128,12 +129,25 @@ impl Ran<'_> {
             is_chart_stem(stem).then(|| stem.to_owned())
         });
         outcome.names = pictures.collect();
+        if is_partial {
+            outcome.page.notes.insert(0, PARTIAL.to_owned());
+        }
         save_page(&outcome, folder)?;
         progress.clear();
-        if self.json || shown.quiet && *lacking > 0 {
-            shown.open_page(self.path);
-        } else {
-            show(&outcome, place.as_slice(), shown, self.path)?;
+        let is_shown = !(self.json || shown.quiet && *lacking > 0);
+        if is_partial {
+            outcome.page.notes.remove(0);
+            if is_shown {
+                show_result(&outcome, shown, LINES_OF_FACTS)?;
+            }
+            add_sampled_facts(study, &mut outcome.page, progress)?;
+            save_text(&outcome, folder)?;
+            progress.clear();
+        }
+        match is_shown {
+            true if is_partial => show_facts(&outcome, place.as_slice(), shown, self.path)?,
+            true => show(&outcome, place.as_slice(), shown, self.path)?,
+            false => shown.open_page(self.path),
         }
         Ok(self.json.then(|| outcome.json(&spell)))
     }

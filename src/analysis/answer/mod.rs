@@ -262,9 +262,10 @@ pub(crate) fn facts(study: &Study, tables: &Tables, decided: Option<&Sheet>, ans
     let judges_more = sheet.status() == Status::Met && answer.status != Status::Met;
     let is_free_optimum = answer.limit.is_none() && answer.kind == Kind::Optimum;
     // The worst case of something else is none of this answer.
-    let is_of_other = answer.value.as_ref().is_some_and(|value| {
-        answer.kind == Kind::Estimate && sheet.reading.quantity != value.quantity
-    });
+    let is_of_other = answer
+        .value
+        .as_ref()
+        .is_some_and(|value| answer.kind == Kind::Estimate && sheet.reading.quantity != value.quantity);
     if judges_more || is_free_optimum || is_of_other {
         without_worst_case(&mut facts);
     }
