@@ -1,7 +1,7 @@
 //! Noise coefficients of a record as in a data sheet: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
-use crate::analysis::shape::Noise;
+use crate::analysis::noise_of_record::Noise;
 use sagnac_engine::device::Cpu;
 use sagnac_engine::kinds::allan::run::realizations;
 use sagnac_kernel::width::Width;

@@ -1,4 +1,5 @@
-//! Prints the angle random walk of the first column of a log whose header says times and units:
+//! Prints the angle random walk of the first column of a log whose header says times and units, without the removal of events and the
+//! check by the spectrum of `sagnac allan`:
 //! `cargo run --release -p sagnac-records --example angle_random_walk -- gyro.csv`.
 
 use sagnac_records::allan::Trend;

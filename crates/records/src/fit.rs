@@ -26,6 +26,9 @@
 //! covariance of a model ([`Covariance`]) instead of the estimates themselves, because low estimates would then get the
 //! largest weights.
 //!
+//! **Calls.** An analysis of a log calls [`describe`], which chooses the range of τ, fits by [`Fitter::fit_record`] and, with simulated
+//! records, again by [`Fitter::fit_realized`]; [`search`] solves for the squares, and [`uncertainty`] gives values and intervals.
+//!
 //! **Results.** A term has a value only where the 95 % interval of its square does not contain 0; otherwise it has a
 //! bound, or the statement that the curve gives none ([`Verdict`]). Intervals hold for the terms of the fit; those of
 //! [`Terms::Auto`] cover all [likely](LIKELY) choices of terms.

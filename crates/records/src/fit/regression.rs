@@ -1,5 +1,5 @@
-//! Linear regression on the means of blocks of a record, whose noise is white noise with unknown parts of flicker and of a
-//! random walk.
+//! Linear regression on the means of blocks of a record, for its dependence on temperature; Allan curves are fitted elsewhere. The
+//! noise is white noise with unknown parts of flicker and of a random walk.
 //!
 //! Slow noise imitates slow regressors, and how much of it there is must be learnt from the same record, which says little
 //! about the slowest noise of all. A single estimate of the noise would therefore give intervals that are too short, at

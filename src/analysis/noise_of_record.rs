@@ -1,4 +1,4 @@
-//! The noise of a record by its Allan curve and its spectrum, whose shape has to be that of the noise that the fit finds.
+//! The fit that describes a record: that of its Allan curve, unless the shape of its spectrum contradicts it.
 //!
 //! At the octaves of τ an Allan curve hardly tells what a filter, its alias or a hump does to the highest frequencies: it takes that
 //! for quantization noise or for a part of N. The spectrum shows it.
