@@ -51,10 +51,13 @@ Examples:
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results
   sagnac report results/error_vs_dtnu --y rms --limit \"rms=5 arcsec\"
+  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z p99_73 \\
+    --where filler=quadratic
 
 Results are those of run, allan, compare, model, design, sensitivity and filler. Of the results of a study the
 page is made again; the other commands have written theirs, and its card for the gallery beside it.
-In a folder of folders, what design, sensitivity and filler wrote into the folders of studies is found too.";
+In a folder of folders, what design, sensitivity and filler wrote into the folders of studies is found too.
+A redrawn chart is written to DIR as an SVG and a PNG; the page keeps the charts of the study.";
 
 /// Redraws a chart of one folder with other keys than the study's.
 pub fn chart(options: &Options) -> Result<(), Failure> {
