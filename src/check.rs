@@ -68,7 +68,7 @@ pub fn check(request: &CheckRequest, progress: &dyn Progress) -> Result<CheckOut
     let source = Source::open(folder)?;
     let report = source.check()?;
     let mut found = CheckOutcome {
-        intact: [report.sound as u64, report.points as u64],
+        intact: [report.sound, report.points],
         faults: report.faults.iter().map(ToString::to_string).collect(),
         ..CheckOutcome::default()
     };
