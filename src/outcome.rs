@@ -39,7 +39,7 @@ impl Outcome {
         Outcome { name, heading, page, details, tables, files, names, provenance: None, models: None }
     }
 
-    /// The same of a use case that may write further files and charts with these [`names`](Outcome::names).
+    /// Names the files and charts that the use case may write; see [`Outcome::names`].
     #[must_use]
     pub fn among<'n>(self, names: impl IntoIterator<Item = &'n str>) -> Outcome {
         Outcome { names: names.into_iter().map(str::to_owned).collect(), ..self }

@@ -6,7 +6,7 @@ use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::report;
 use crate::analysis::log::events;
 use crate::analysis::page::record::{self, Source};
-use crate::analysis::page::{chart, grid, shown};
+use crate::analysis::page::{chart, grid, grid_where, shown, texts};
 use crate::analysis::requirement::Decision;
 use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
@@ -66,7 +66,9 @@ pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {
     let coefficients =
         batch::report::coefficients(batch).map(|figure| chart("chart-2", Picture::Curves(figure)));
     let values = batch::report::batch(batch);
-    let tables = [units(batch), grid(&values, &["bounded", "missing"])].map(Block::Grid);
+    let medians = texts(&values, "value");
+    let tables = [units(batch), grid_where(&values, &["bounded", "missing"], |row| !medians[row].is_empty())]
+        .map(Block::Grid);
     Page {
         title: format!("A batch of {} units", batch.labels.len()),
         scope: String::new(),

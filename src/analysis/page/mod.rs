@@ -30,7 +30,7 @@ pub use crate::analysis::page::study::{PARTIAL, Results, add_sampled_facts};
 
 use crate::analysis::log::events;
 use crate::view::picture::Drawn;
-use sagnac_base::quantity::number::{significant, with_unit};
+use sagnac_base::quantity::number::{probability, significant, with_unit};
 use sagnac_base::table::{self, Role, Table};
 use sagnac_engine::study::Study;
 use sagnac_records::fit::Fit;
@@ -71,7 +71,7 @@ pub(crate) fn grid(table: &Table, omitted: &[&str]) -> Grid {
     grid_where(table, omitted, |_| true)
 }
 
-/// A [`grid`] of some rows. A value that is not known has its upper limit instead.
+/// A [`grid`] of some rows. A value that is not known, with an interval from 0, has its upper limit instead.
 pub(crate) fn grid_where(table: &Table, omitted: &[&str], is_meant: impl Fn(usize) -> bool) -> Grid {
     let rows: Vec<usize> = (0..table.rows()).filter(|row| is_meant(*row)).collect();
     let end = |column: &table::Column, role: Role, row: usize| {
@@ -79,15 +79,12 @@ pub(crate) fn grid_where(table: &Table, omitted: &[&str], is_meant: impl Fn(usiz
         end.cells[row].number()
     };
     let cell = |column: &table::Column, row: usize| {
-        let (low, high) = (end(column, Role::Lower, row), end(column, Role::Upper, row));
-        let is_blank = column.cells[row] == table::Cell::Blank;
-        match (low.zip(high), high) {
-            (_, Some(most)) if is_blank => format!("≤ {}", significant(most, DIGITS)).into(),
-            (Some((low, high)), _) => {
-                Cell { text: column.cells[row].rounded(DIGITS), below: interval([low, high]) }
-            }
-            _ if column.name == "unit" => symbol(&column.cells[row].text()).into(),
-            _ => column.cells[row].rounded(DIGITS).into(),
+        let ends = end(column, Role::Lower, row).zip(end(column, Role::Upper, row));
+        let below = ends.map(|ends| interval(ends.into())).unwrap_or_default();
+        match (&column.cells[row], ends) {
+            (table::Cell::Blank, Some((0.0, most))) => format!("≤ {}", significant(most, DIGITS)).into(),
+            (table::Cell::Blank, Some(_)) => Cell { text: "–".to_owned(), below },
+            (value, _) => Cell { text: text(column, value), below },
         }
     };
     let is_shown = |column: &&table::Column| {
@@ -98,6 +95,20 @@ pub(crate) fn grid_where(table: &Table, omitted: &[&str], is_meant: impl Fn(usiz
     let shown: Vec<&table::Column> = table.columns.iter().filter(is_shown).collect();
     let row = |&row: &usize| shown.iter().map(|column| cell(column, row)).collect::<Vec<_>>();
     Grid::new(shown.iter().map(|column| column.title()), rows.iter().map(row))
+}
+
+/// A value to read: a count with all its digits, a time or a frequency with enough of them to be found in the record.
+fn text(column: &table::Column, value: &table::Cell) -> String {
+    match (value, &*column.name) {
+        (table::Cell::Integer(count), _) => count.to_string(),
+        (table::Cell::Number(p), "p" | "p_equal") => {
+            probability(*p).trim_start_matches("p = ").trim_start_matches("p ").to_owned()
+        }
+        (_, "unit") => symbol(&value.text()),
+        _ if column.unit == table::Unit::S && column.role == Role::Coordinate => value.rounded(7),
+        _ if column.unit == table::Unit::HZ => value.rounded(5),
+        _ => value.rounded(DIGITS),
+    }
 }
 
 /// A unit of files as people write it, such as `°/√h` for `deg/sqrt(h)`.
