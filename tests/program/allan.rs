@@ -136,7 +136,7 @@ fn gaps_outliers_and_what_was_done_are_said() {
     assert!(removed.stderr.contains("treated as gaps"), "{}", removed.stderr);
     let first = |ended: &Ended| {
         let mut lines = ended.stdout.lines().skip_while(|line| !line.contains("τ, s"));
-        lines.nth(1).unwrap().split_whitespace().nth(2).unwrap().to_owned()
+        lines.nth(1).unwrap().split_whitespace().nth(3).unwrap().to_owned()
     };
     let [kept, removed]: [f64; 2] = [kept, removed].map(|ended| first(&ended).parse().unwrap());
     assert!(kept > 5.0 && removed < 1.0, "{kept} with the outlier, {removed} without");

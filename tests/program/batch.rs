@@ -30,7 +30,7 @@ fn an_outlier_is_named_in_table_csv_json_answer_and_pictures() {
     for piece in [
         "*0.",
         "without outliers",
-        "95 % prediction",
+        "prediction",
         "g4 is an outlier: N 1.98",
         " × the median (p = ",
         "Without outliers, N  0.1",
