@@ -140,6 +140,18 @@ mod keys_tests {
         }
     }
 
+    /// A key without a setting would be accepted and have no effect.
+    #[test]
+    fn keys_with_a_label_are_those_that_a_sweep_may_vary() {
+        for kind in KINDS {
+            let swept = (kind.sweepable)();
+            for key in (kind.keys)() {
+                let is_swept = swept.iter().any(|known| known.name == key.name);
+                assert_eq!(is_swept, !key.label.is_empty(), "{} of kind {}", key.name, kind.name);
+            }
+        }
+    }
+
     #[test]
     fn units_range_choices_and_kinds_are_told() {
         let amplitude = explain_key("motion.amplitude").unwrap();
