@@ -378,16 +378,16 @@ impl Set {
             let variance = 0.5 * one.residual * one.residual + one.residual_noise * one.residual_noise;
             (one.interval as usize, variance)
         });
-        // The integral of e^{−decay·k} over a sample, which starts at decay·k = `passed`.
-        let decayed = |passed: f64, decay: f64| -libm::exp(-passed) * libm::expm1(-decay);
+        // The angle reach·(1 − e^{−decay·k}) over a sample, which starts at decay·k = `passed`.
+        let decayed = |reach: f64, passed: f64, decay: f64| -reach * libm::exp(-passed) * libm::expm1(-decay);
         let increment = |sample: u64| {
             let k = sample as f64;
             let mut sum = ramp * (k + 0.5);
-            sum += decays.iter().map(|(reach, decay)| reach * decayed(decay * k, *decay)).sum::<f64>();
+            sum += decays.iter().map(|(reach, decay)| decayed(*reach, decay * k, *decay)).sum::<f64>();
             if let Some(one) = &switching {
                 let Magnetic { amplitude, time_s, initial } = one.magnetic;
                 let sign = if (sample / one.interval).is_multiple_of(2) { 1.0 } else { -1.0 };
-                let warming = time_s * decayed(t0 * k / time_s, t0 / time_s);
+                let warming = decayed(time_s, t0 * k / time_s, t0 / time_s);
                 sum += sign * ((amplitude + initial) * t0 - amplitude * warming);
             }
             sum
