@@ -285,7 +285,32 @@ fn a_resolved_study_has_its_seed_and_trials_whatever_its_form() {
     }
 }
 
-/// The studies of `studies/`, and those of the templates.
+/// Motions that no shipped study has.
+const MOTIONS: [&str; 4] = [
+    "amplitude = \"12000 arcsec/s\"\nfrequency = [\"18 Hz\", \"22 Hz\"]",
+    "gaussian = { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] }",
+    "suspension = { gyro = \"LGK-400\", sine = { acceleration = \"1 g\", frequency = \"700 Hz\" }, alias = true }",
+    "suspension = { gyro = \"LGK-400\", random = { psd = [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"2000 Hz\", \"0.01 g^2/Hz\"]], \
+     rms = \"5 g\" }, alias = true }",
+];
+
+/// Every part of a noise.
+const NOISES: &str = r#"title = "Noise"
+kind = "allan"
+[record]
+sample = "1 s"
+length = "1000 s"
+[noise]
+readout_lsb = "1 arcsec"
+angle_random_walk = "0.01 deg/sqrt(h)"
+lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }
+markov = { amplitude = "0.01 deg/h", time = "50 s" }
+sine = { amplitude = "0.01 deg/h", frequency = "0.1 Hz" }
+warm_up = { amplitude = "0.01 deg/h", time = "50 s" }
+switching = { interval = "10 s", magnetic = "14 arcsec/s", warm_up_time = "50 s", residual = "10 arcsec" }
+"#;
+
+/// The studies of `studies/`, those of the templates, and studies of parts that these lack.
 fn all_studies() -> Vec<Study> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
     let shipped = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
@@ -296,7 +321,9 @@ fn all_studies() -> Vec<Study> {
         let path = folder.join("template.toml").display().to_string();
         Study::parse(&path, kind.template).unwrap_or_else(|error| panic!("{}: {error:?}", kind.name))
     });
-    shipped.chain(templates).collect()
+    let motion = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
+    let others = MOTIONS.map(|other| parsed(&replaced(motion, other))).into_iter().chain([parsed(NOISES)]);
+    shipped.chain(templates).chain(others).collect()
 }
 
 /// The point of a study with a value of a key, and everything else as in its first point, without the names of its values.
@@ -314,6 +341,7 @@ fn point_with(study: &Study, key: &'static Key, value: &Swept) -> Option<String>
 #[test]
 fn every_key_that_a_sweep_may_vary_changes_the_points() {
     let studies = all_studies();
+    let (mut with, mut without): (Vec<&str>, Vec<&str>) = (vec![], vec![]);
     for kind in KINDS {
         for key in (kind.sweepable)().into_iter().filter(|key| !key.is_file()) {
             let values: Vec<Swept> = match key.holds.measured() {
@@ -329,12 +357,19 @@ fn every_key_that_a_sweep_may_vary_changes_the_points() {
                     sizes.flat_map(of_size).collect()
                 }
             };
-            let changes = |study: &Study| {
-                let mut points = values.iter().filter_map(|value| point_with(study, key, value));
-                points.next().is_some_and(|first| points.any(|point| point != first))
-            };
-            let mut of_kind = studies.iter().filter(|study| *study.kind == *kind);
-            assert!(of_kind.any(changes), "{} of kind {}", key.name, kind.name);
+            // Studies without the part that the key belongs to refuse it.
+            let points = |study| values.iter().filter_map(|value| point_with(study, key, value)).collect();
+            let of_kind = studies.iter().filter(|study| *study.kind == *kind);
+            let points: Vec<Vec<String>> = of_kind.map(points).filter(|all: &Vec<_>| all.len() > 1).collect();
+            let is_changed = points.iter().any(|all| all.iter().any(|point| *point != all[0]));
+            if is_changed {
+                with.push(key.name);
+            } else if !points.is_empty() {
+                without.push(key.name);
+            }
         }
     }
+    let swept = KINDS.iter().flat_map(|kind| (kind.sweepable)()).filter(|key| !key.is_file());
+    without.extend(swept.map(|key| key.name).filter(|name| !with.contains(name)));
+    assert!(without.is_empty(), "without effect: {without:#?}");
 }
