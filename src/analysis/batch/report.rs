@@ -266,7 +266,7 @@ pub(crate) fn batch_columns<'a>() -> Vec<ColumnOf<BatchRow<'a>>> {
             .is(Role::Count, "Number of units left out because they have only an upper bound: the value is too high for the batch."),
         Of::new("missing", Unit::NONE, "missing", |row| Cell::Integer(row.one.silent().count() as i64))
             .is(Role::Count, "Number of units left out because they say nothing of the coefficient."),
-        Of::new("value", Unit::NONE, "median", |row| row.finite(|pooled| pooled.value))
+        Of::new("value", Unit::NONE, "value", |row| row.finite(|pooled| pooled.value))
             .is(Role::Estimate, "Median of the batch in `unit`; blank for fewer than two units."),
         Of::new("lower", Unit::NONE, "lower", |row| row.finite(|pooled| pooled.interval[0]))
             .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
@@ -274,17 +274,17 @@ pub(crate) fn batch_columns<'a>() -> Vec<ColumnOf<BatchRow<'a>>> {
             .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.one.unit))
             .is(Role::Note, "Unit of `value`, its interval and that of the next unit."),
-        Of::new("unit_sd", Unit::NONE, "between units, SD", |row| row.finite(|pooled| pooled.spread))
+        Of::new("unit_sd", Unit::NONE, "unit_sd", |row| row.finite(|pooled| pooled.spread))
             .is(Role::Estimate, "Standard deviation between units as a part of their mean, without the errors of the records."),
         Of::new("unit_sd_lower", Unit::NONE, "unit_sd_lower", |row| row.finite(|pooled| pooled.spread_interval[0]))
             .is_of("unit_sd", Role::Lower, "Lower end of the 95 % interval of `unit_sd`."),
         Of::new("unit_sd_upper", Unit::NONE, "unit_sd_upper", |row| row.finite(|pooled| pooled.spread_interval[1]))
             .is_of("unit_sd", Role::Upper, "Upper end of the 95 % interval of `unit_sd`; a bound where `unit_sd` is 0."),
-        Of::new("prediction_lower", Unit::NONE, "95 % prediction interval, from", |row| row.finite(|pooled| pooled.next[0]))
+        Of::new("prediction_lower", Unit::NONE, "prediction_lower", |row| row.finite(|pooled| pooled.next[0]))
             .is(Role::Estimate, "Lower end of the 95 % prediction interval for a new unit."),
-        Of::new("prediction_upper", Unit::NONE, "95 % prediction interval, to", |row| row.finite(|pooled| pooled.next[1]))
+        Of::new("prediction_upper", Unit::NONE, "prediction_upper", |row| row.finite(|pooled| pooled.next[1]))
             .is(Role::Estimate, "Upper end of the 95 % prediction interval for a new unit."),
-        Of::new("p_equal", Unit::NONE, "p of equal units", |row| row.finite(|pooled| pooled.p_equal))
+        Of::new("p_equal", Unit::NONE, "p_equal", |row| row.finite(|pooled| pooled.p_equal))
             .is(Role::Estimate, "Probability that equal units are at least as far apart by chance."),
     ]
 }

@@ -26,7 +26,7 @@ pub(crate) struct Line<'a, T> {
 pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<Line<'a, Ratio>>> {
     type Of<'a> = ColumnOf<Line<'a, Ratio>>;
     vec![
-        Of::new("tau", Unit::S, "τ", |row| Cell::Number(row.found.tau_s()))
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.found.tau_s()))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("m_a", Unit::NONE, "m of A", |row| Cell::Integer(row.found.points[0].m as i64))
             .is(Role::Count, "Averaging time in samples of A."),
@@ -81,7 +81,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a, Row>>> {
             .is_of("difference", Role::Upper, "Upper end of the 95 % interval of `difference`."),
         Of::new("p", Unit::NONE, "p", |row| row.found.found.p.into())
             .is(Role::Estimate, "Probability that a difference is at least as large by chance if both have the same coefficient."),
-        Of::new("length_needed", Unit::S, "length needed", |row| needed(row.found.length).into())
+        Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.found.length).into())
             .is(Role::Estimate, "Length of records, s, that resolves such a difference with 90 % power."),
         Of::new("status", Unit::NONE, "status", |row| text(&row.found.verdict().text(row.logs[1])))
             .is(Role::Note, "`consistent`, `equal`, `in neither record`, `not compared` if an event of a record explains it as well, or the label of B with \

@@ -32,7 +32,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
             .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
         Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
             .is(Role::Count, "Averaging time in samples."),
-        Of::new("tau", Unit::S, "τ", |row| Cell::Number(row.point.tau_s))
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
             .is(Role::Count, "Number of differences behind the value."),

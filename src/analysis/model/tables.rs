@@ -29,7 +29,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
         key(|row| text(&row.column.target.name)),
-        Of::new("tau", Unit::S, "τ", |row| Cell::Number(row.point.tau_s))
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("record", Unit::NONE, "record", |row| Cell::Number(row.point.value))
             .is(Role::Error, "Allan deviation of the record, or of the coefficients of a noise.toml, in `unit`."),
@@ -41,9 +41,9 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Estimate, "What the model lies nowhere below, in `unit`: the upper end of the band, or that of another record; blank without `--overbound`."),
         Of::new("model", Unit::NONE, "model", |row| Cell::Number(row.model))
             .is(Role::Estimate, "Allan deviation of the model, quantization included, in `unit`."),
-        Of::new("excess", Unit::NONE, "above record", |row| Cell::Number(row.model / row.point.value - 1.0))
+        Of::new("excess", Unit::NONE, "excess", |row| Cell::Number(row.model / row.point.value - 1.0))
             .is(Role::Estimate, "How far the model lies above `record`, as a part of it."),
-        Of::new("excess_over_bound", Unit::NONE, "above bound", |row| row.bound.map(|bound| row.model / bound - 1.0).into())
+        Of::new("excess_over_bound", Unit::NONE, "excess_over_bound", |row| row.bound.map(|bound| row.model / bound - 1.0).into())
             .is(Role::Estimate, "How far the model lies above `bound`, as a part of it."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.column.target.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of the deviations."),

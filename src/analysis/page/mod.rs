@@ -94,7 +94,12 @@ pub(crate) fn grid_where(table: &Table, omitted: &[&str], is_meant: impl Fn(usiz
     };
     let shown: Vec<&table::Column> = table.columns.iter().filter(is_shown).collect();
     let row = |&row: &usize| shown.iter().map(|column| cell(column, row)).collect::<Vec<_>>();
-    Grid::new(shown.iter().map(|column| column.title()), rows.iter().map(row))
+    // A label that is a name has no better words.
+    let title = |column: &&table::Column| match column.label == column.name {
+        true => column.title().replace('_', " ").replace("tau", "τ"),
+        false => column.title(),
+    };
+    Grid::new(shown.iter().map(title), rows.iter().map(row))
 }
 
 /// A value to read: a count with all its digits, a time or a frequency with enough of them to be found in the record.

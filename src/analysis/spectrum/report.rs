@@ -176,7 +176,7 @@ pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
     type Of<'a> = ColumnOf<WhiteRow<'a>>;
     vec![
         key(|row| text(&row.column.name)),
-        Of::new("from", Unit::NONE, "white noise by", |row| text(row.from))
+        Of::new("from", Unit::NONE, "from", |row| text(row.from))
             .is(Role::Key, "`floor` for N from the flat range of the density, `fit` for N from the Allan curve."),
         Of::new("n", Unit::NONE, "N", |row| row.row.value.into())
             .is(Role::Estimate, "Angle or velocity random walk N, in `unit`; blank where the fit does not identify it."),
@@ -186,11 +186,11 @@ pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
             .is_of("n", Role::Upper, "Upper end of the interval of `n`; if `n` is blank, an upper bound."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.row.unit))
             .is(Role::Note, "Unit of `n`, `lower` and `upper`."),
-        Of::new("from_f", Unit::HZ, "flat from", |row| range(row.white).map(|ends| ends[0]).into())
+        Of::new("from_f", Unit::HZ, "from", |row| range(row.white).map(|ends| ends[0]).into())
             .is(Role::Estimate, "Lowest frequency of the flat range, Hz."),
         Of::new("to_f", Unit::HZ, "to", |row| range(row.white).map(|ends| ends[1]).into())
             .is(Role::Estimate, "Highest frequency of the flat range, Hz."),
-        Of::new("others", Unit::NONE, "other terms there", |row| row.white.model.map(|[_, others]| others).into())
+        Of::new("others", Unit::NONE, "others", |row| row.white.model.map(|[_, others]| others).into())
             .is(Role::Estimate, "Part of the fitted density over the flat range that is of other terms than N."),
         Of::new("status", Unit::NONE, "status", |row| text(row.white.verdict()))
             .is(Role::Note, "Whether the floor is told apart from the fitted density over the flat range, as far as the fit reaches, all \
