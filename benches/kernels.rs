@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use divan::counter::ItemsCount;
 use sagnac::device::Cpu;
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::moments::Trials;
-use sagnac::kernel::recipe::{Level, Recipe};
-use sagnac::kernel::width::Width;
-use sagnac::kernel::{Form, KERNELS};
-use sagnac::kinds::gap_fill::verify::Configuration;
-use sagnac::kinds::relock::Compensation;
-use sagnac::kinds::relock::verify::{launches_of, relock};
-use sagnac::kinds::switched_run::verify::hour_launches;
+use sagnac_engine::kinds::gap_fill::verify::Configuration;
+use sagnac_engine::kinds::relock::Compensation;
+use sagnac_engine::kinds::relock::verify::{launches_of, relock};
+use sagnac_engine::kinds::switched_run::verify::hour_launches;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::moments::Trials;
+use sagnac_kernel::recipe::{Level, Recipe};
+use sagnac_kernel::width::Width;
+use sagnac_kernel::{Form, KERNELS};
 
 fn main() {
     divan::main();

@@ -9,11 +9,11 @@ use sagnac::device::Cpu;
 use sagnac::fit::curve::{Covariance, Curve};
 use sagnac::fit::selection::Terms;
 use sagnac::fit::{Errors, Fit, Fitter};
-use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::run::realizations;
 use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+use sagnac_engine::kinds::allan::lower::{Asked, Records};
+use sagnac_engine::kinds::allan::run::realizations;
+use sagnac_kernel::width::Width;
 
 const METHODS: [&str; 4] =
     ["closed form", "percentiles", "inversion, realized covariance", "inversion, realized quantiles"];

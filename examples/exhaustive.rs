@@ -6,10 +6,10 @@ use core::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use sagnac::kernel::normal::{REACH, SIGMA};
-use sagnac::kernel::sine::ONE;
-use sagnac::kernel::width::Width;
-use sagnac::kernel::{Form, normal, sine};
+use sagnac_kernel::normal::{REACH, SIGMA};
+use sagnac_kernel::sine::ONE;
+use sagnac_kernel::width::Width;
+use sagnac_kernel::{Form, normal, sine};
 
 /// Number of words in the piece of a thread.
 const PIECE: u64 = 1 << 16;

@@ -64,13 +64,14 @@
 //! | [`check`](check::check) | whether a results folder is intact and complete |
 //! | [`theory`] | closed forms |
 //!
-//! Messages write settings as `name = value` in backticks; [`spelled`](diagnostics::spelled) turns them into the options of a front end.
+//! Messages write settings as `name = value` in backticks; [`spelled`](sagnac_base::diagnostics::spelled) turns them into the options of a front end.
 
 #![deny(missing_docs)]
 #![warn(unreachable_pub)]
 
 pub mod analysis;
 pub mod check;
+pub mod described;
 pub mod outcome;
 pub mod view;
 
@@ -79,16 +80,3 @@ pub use sagnac_engine::{device, run, store, study, tally, verify};
 pub use sagnac_records::{allan, events, fit, record, spectrum};
 pub use sagnac_report as report;
 pub use sagnac_theory as theory;
-
-// Below the front page: for tests, benches and the front ends, and free to change.
-#[doc(hidden)]
-pub use sagnac_base::quantity;
-#[doc(hidden)]
-pub use sagnac_engine::{chart, drift, filler, key, kinds, motion};
-#[doc(hidden)]
-pub use sagnac_kernel as kernel;
-
-#[doc(hidden)]
-pub mod described;
-#[doc(hidden)]
-pub use sagnac_base::{diagnostics, text_file};

@@ -14,10 +14,10 @@ use sagnac::analysis::log::{NoiseRequest, Suppose};
 use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::use_cases::{self, AllanRequest};
-use sagnac::kinds::allan::run::MIN_REALIZATIONS;
-use sagnac::quantity::{Dimension, Quantity, parse};
 use sagnac::record::log::Log;
 use sagnac::record::log::measure::Data;
+use sagnac_base::quantity::{Dimension, Quantity, parse};
+use sagnac_engine::kinds::allan::run::MIN_REALIZATIONS;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use crate::failure::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::requirement::{Limit, Limited};
-use sagnac::key::docs::note;
-use sagnac::quantity::bare;
+use sagnac_base::quantity::bare;
+use sagnac_engine::key::docs::note;
 
 /// Reads a limit on a log.
 pub fn of_log(text: &str) -> Result<Limit, String> {

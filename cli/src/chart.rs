@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use clap::Args;
-use sagnac::chart::{Chart, Named};
 use sagnac::run::RESOLVED;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::Column;
 use sagnac::view::picture::{incomplete, pictures, shown};
+use sagnac_engine::chart::{Chart, Named};
 use serde::Serialize;
 use toml::{Table, Value};
 

@@ -9,9 +9,9 @@ use clap::Args;
 use sagnac::analysis::compare::logs::RatioLimit;
 use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::analysis::use_cases::{BatchRequest, CompareRequest, LogError, compare_logs, compare_units};
-use sagnac::key::docs::note;
 use sagnac::record::log::Log;
 use sagnac::record::log::read::Request;
+use sagnac_engine::key::docs::note;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::filler_search::band;
 use sagnac::analysis::design::{Constraints, DesignError, DesignRequest, Measure, Search, design as find};
-use sagnac::quantity::Dimension;
+use sagnac_base::quantity::Dimension;
 
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;

@@ -10,9 +10,9 @@ use clap::{Args, Subcommand};
 use sagnac::device::gpu::adapter::{Adapter, unused_card};
 use sagnac::device::select::{SelectError, every_adapter, untested};
 use sagnac::device::{Cpu, Device, GpuError, Job, Work};
-use sagnac::kernel::width::Width;
 use sagnac::tally::cover;
 use sagnac::verify::{Measured, digest, measured};
+use sagnac_kernel::width::Width;
 use serde::Serialize;
 
 const EXAMPLES: &str = "\

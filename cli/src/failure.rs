@@ -10,17 +10,17 @@ use sagnac::analysis::model::ModelError;
 use sagnac::analysis::use_cases::LogError;
 use sagnac::device::GpuError;
 use sagnac::device::select::SelectError;
-use sagnac::diagnostics::{StudyError, spelled};
 use sagnac::record::RecordError;
 use sagnac::run::{RESOLVED, RunError};
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
 use sagnac::tally::Share;
+use sagnac_base::diagnostics::{StudyError, spelled};
 
 use crate::look;
 use crate::output::say;
 use crate::run::control::Cause;
-use sagnac::quantity::number::short;
+use sagnac_base::quantity::number::short;
 
 /// Exit codes with their meanings.
 pub const EXIT_CODES: [(&str, &str); 8] = [

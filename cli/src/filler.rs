@@ -12,7 +12,7 @@ use sagnac::analysis::firmware::{
     Alone, Asked, ChoiceError, FillerRequest, FillerSource, KINDS, MINIMUM_VARIANCE, filler as find,
     in_properties,
 };
-use sagnac::quantity::{Dimension, parse};
+use sagnac_base::quantity::{Dimension, parse};
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {

@@ -10,9 +10,9 @@ use crate::program::command;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
-use sagnac::kinds::{self, KINDS};
 use sagnac::store::folder::{Folder, write_new};
 use sagnac::study::Kind;
+use sagnac_engine::kinds::{self, KINDS};
 
 const NEW_EXAMPLES: &str = "\
 Examples:

@@ -4,7 +4,7 @@
 /// neither the work nor the exit code changes.
 macro_rules! say {
     ($($words:tt)*) => {
-        $crate::output::say(&sagnac::diagnostics::visible(&format!($($words)*)))
+        $crate::output::say(&sagnac_base::diagnostics::visible(&format!($($words)*)))
     };
 }
 

@@ -10,7 +10,7 @@ use sagnac::store::folder::Folder;
 use sagnac::store::source::{Merged, Source};
 use sagnac::study::Study;
 use sagnac::tally::Share;
-use sagnac::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
+use sagnac_base::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
 
 use crate::failure::Failure;
 use crate::folders;

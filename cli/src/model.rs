@@ -8,7 +8,7 @@ use sagnac::analysis::model::search::MAX_STATES;
 use sagnac::analysis::model::writers::{Writer, named};
 use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
 use sagnac::analysis::use_cases::{ModelSource, model_noise};
-use sagnac::quantity::{Dimension, parse};
+use sagnac_base::quantity::{Dimension, parse};
 
 use crate::allan::probability;
 use crate::arg_parsers::one_of;

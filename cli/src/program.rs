@@ -7,12 +7,12 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
 use sagnac::device::select::Selection;
-use sagnac::diagnostics::visible;
-use sagnac::key::MAX_TRIALS;
-use sagnac::key::docs::{note, present};
 use sagnac::outcome::Outcome;
 use sagnac::study::Study;
 use sagnac::verify::select;
+use sagnac_base::diagnostics::visible;
+use sagnac_engine::key::MAX_TRIALS;
+use sagnac_engine::key::docs::{note, present};
 
 use crate::arg_parsers::whole;
 use crate::failure::{EXIT_CODES, Failure};

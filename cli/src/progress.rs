@@ -9,7 +9,7 @@ use crate::run::control::Stop;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use sagnac::progress::Progress;
-use sagnac::quantity::number::short;
+use sagnac_base::quantity::number::short;
 
 /// Interval between lines where there is no terminal.
 pub const LINE: Duration = Duration::from_secs(10);

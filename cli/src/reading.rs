@@ -11,9 +11,7 @@ use sagnac::allan::angles::Trend;
 use sagnac::analysis::log::{ENDINGS, Treatment};
 use sagnac::analysis::temperature::Temperature;
 use sagnac::analysis::temperature::regressors::Effects;
-use sagnac::diagnostics::StudyError;
 use sagnac::fit::selection::{Fitting, Terms};
-use sagnac::quantity::{Dimension, Quantity, parse as parse_quantity};
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::measure::{Data, Unit, UnitCheck, UnitMismatch};
@@ -21,6 +19,8 @@ use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use sagnac::record::log::{Log, Thermometer};
 use sagnac::study::Study;
 use sagnac::theory::allan::terms::Term;
+use sagnac_base::diagnostics::StudyError;
+use sagnac_base::quantity::{Dimension, Quantity, parse as parse_quantity};
 
 #[derive(Debug, Args)]
 pub struct Reading {

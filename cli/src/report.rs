@@ -11,8 +11,8 @@ use sagnac::run::{Plan, RESOLVED, complete};
 use sagnac::store::CARD;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
-use sagnac::text_file::read_bytes;
 use sagnac::view::picture::incomplete;
+use sagnac_base::text_file::read_bytes;
 
 use crate::chart::{Redraw, redraw};
 use crate::failure::{Failure, in_options};

@@ -10,9 +10,7 @@ use crate::outcome::{LINES_OF_FACTS, save_page, save_text, show, show_facts, sho
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
 use sagnac::analysis::page::{PARTIAL, Results, add_sampled_facts};
-use sagnac::chart::{Chart, Source};
 use sagnac::outcome::Outcome;
-use sagnac::quantity::number::significant;
 use sagnac::report::chart::notes::ChartError;
 use sagnac::report::page::document::Provenance;
 use sagnac::run::{Plan, RESOLVED, RunStats, Tables};
@@ -24,6 +22,8 @@ use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::tally::Share;
 use sagnac::view::picture::{file_names, refused, written};
 use sagnac::view::stack::Shown as Curves;
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::chart::{Chart, Source};
 
 /// Whether a run of a study may write the files that it always writes into its folder.
 ///

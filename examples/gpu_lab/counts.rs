@@ -1,11 +1,11 @@
 //! Part `counts`: the integer operations of each measured kernel.
 
 use sagnac::device::Work;
-use sagnac::kernel::curve::Recorded;
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::recipe::CHUNK;
-use sagnac::kernel::shader::Variant;
 use sagnac::verify::{Measured, measured};
+use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::recipe::CHUNK;
+use sagnac_kernel::shader::Variant;
 use serde_json::json;
 
 use crate::count::{Operations, operations};

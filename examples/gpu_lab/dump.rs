@@ -1,9 +1,9 @@
 //! Part `dump`: the shaders of trials as text, with what they are given and the sums of the CPU, for other compilers
 //! and profilers.
 
-use sagnac::kernel::moments::{BINS, PARTIAL_WORDS};
-use sagnac::kernel::normal_table::NORMAL_TABLE;
-use sagnac::kernel::shader::Variant;
+use sagnac_kernel::moments::{BINS, PARTIAL_WORDS};
+use sagnac_kernel::normal_table::NORMAL_TABLE;
+use sagnac_kernel::shader::Variant;
 use serde_json::{Value, json};
 
 use crate::edits::{ONE_PRODUCT, PLAIN, UNIFORM};

@@ -139,7 +139,7 @@ fn one_bin(text: &str, _: bool) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use sagnac::kernel::shader::Variant;
+    use sagnac_kernel::shader::Variant;
 
     use super::*;
 

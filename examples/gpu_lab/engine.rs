@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use sagnac::device::Job;
 use sagnac::device::gpu::{Adapter, Gpu};
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::moments::Moments;
-use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use sagnac::tally::cover;
 use sagnac::theory::allan::{Estimator, Part};
+use sagnac_engine::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::moments::Moments;
 use serde_json::{Value, json};
 
 use crate::{Options, benches, chosen, emit};

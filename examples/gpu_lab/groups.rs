@@ -1,11 +1,11 @@
 //! One record in a workgroup, with all its angles in the workgroup's memory, beside the kernel's own form.
 
-use sagnac::kernel::curve::Recorded;
-use sagnac::kernel::part;
-use sagnac::kernel::recipe::{FOUR_STREAMS, Level, Recipe};
-use sagnac::kernel::shader::{Constants, Part, Shader, Variant};
-use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
+use sagnac_engine::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
+use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::part;
+use sagnac_kernel::recipe::{FOUR_STREAMS, Level, Recipe};
+use sagnac_kernel::shader::{Constants, Part, Shader, Variant};
+use sagnac_kernel::width::Width;
 use serde_json::json;
 use wgpu::BufferUsages as Use;
 

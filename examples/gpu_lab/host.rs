@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use sagnac::kernel::shader::Variant;
+use sagnac_kernel::shader::Variant;
 use serde_json::json;
 use wgpu::BufferUsages as Use;
 

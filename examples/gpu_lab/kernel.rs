@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use sagnac::device::{Cpu, Job};
-use sagnac::kernel::launch::MAX_STEPS;
-use sagnac::kernel::moments::Moments;
-use sagnac::kernel::shader::Variant;
-use sagnac::kernel::width::Width;
 use sagnac::tally::cover;
+use sagnac_kernel::launch::MAX_STEPS;
+use sagnac_kernel::moments::Moments;
+use sagnac_kernel::shader::Variant;
+use sagnac_kernel::width::Width;
 use serde_json::json;
 
 use crate::edits::{EDITS, Edit, ONE_PRODUCT, PLAIN, UNIFORM};

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use sagnac::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
-use sagnac::kernel::normal_table::NORMAL_TABLE;
-use sagnac::kernel::shader::Variant;
+use sagnac_kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
+use sagnac_kernel::normal_table::NORMAL_TABLE;
+use sagnac_kernel::shader::Variant;
 use wgpu::{BufferUsages as Use, Features};
 
 use crate::{Bench, Options, chosen};

@@ -20,8 +20,8 @@ mod limit;
 mod values;
 
 use sagnac::device::Work;
-use sagnac::kernel::launch::Launch;
 use sagnac::verify::measured;
+use sagnac_kernel::launch::Launch;
 use serde_json::{Value, json};
 
 struct Options {

@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 
 use sagnac::device::Work;
-use sagnac::kernel::curve::Recorded;
-use sagnac::kernel::launch::{Launch, MAX_STEPS};
-use sagnac::kernel::map::Map;
-use sagnac::kernel::moments::{GROUPS_PER_ROW, Moments, PARTIAL_WORDS, Trials};
-use sagnac::kernel::normal_table::NORMAL_TABLE;
-use sagnac::kernel::record::SUM_WORDS;
-use sagnac::kernel::shader::Variant;
-use sagnac::kernel::width::Width;
-use sagnac::kernel::{Form, KERNELS};
 use sagnac::verify::{items, loads};
+use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::launch::{Launch, MAX_STEPS};
+use sagnac_kernel::map::Map;
+use sagnac_kernel::moments::{GROUPS_PER_ROW, Moments, PARTIAL_WORDS, Trials};
+use sagnac_kernel::normal_table::NORMAL_TABLE;
+use sagnac_kernel::record::SUM_WORDS;
+use sagnac_kernel::shader::Variant;
+use sagnac_kernel::width::Width;
+use sagnac_kernel::{Form, KERNELS};
 use serde_json::{Value, json};
 
 /// Invocations of a workgroup.

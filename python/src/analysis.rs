@@ -21,10 +21,10 @@ use sagnac::analysis::use_cases::{
 use sagnac::fit::selection::Fitting;
 use sagnac::outcome::Outcome;
 use sagnac::progress::Silent;
-use sagnac::quantity::Dimension;
 use sagnac::report::chart::Picture;
 use sagnac::run::RunError;
 use sagnac::verify::select;
+use sagnac_base::quantity::Dimension;
 
 use super::argument::at_least_0;
 use super::compute::{compute, compute_on};

@@ -1,6 +1,6 @@
 //! Arguments that are texts.
 
-use sagnac::quantity::{Dimension, Quantity, parse};
+use sagnac_base::quantity::{Dimension, Quantity, parse};
 
 use super::failure::Failure;
 

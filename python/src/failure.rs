@@ -9,11 +9,11 @@ use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::analysis::use_cases::LogError;
 use sagnac::device::select::SelectError;
-use sagnac::diagnostics::{StudyError as Refused, spelled, visible};
 use sagnac::record::RecordError as Unreadable;
 use sagnac::run::RunError;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
+use sagnac_base::diagnostics::{StudyError as Refused, spelled, visible};
 
 import_exception!(sagnac.errors, DeviceError);
 import_exception!(sagnac.errors, InternalError);

@@ -8,8 +8,8 @@ use sagnac::analysis::firmware::{
     Alone, Asked, ChoiceError, FillerRequest, FillerSource, Firmware, KINDS, filler, in_properties,
 };
 use sagnac::outcome::Outcome;
-use sagnac::quantity::Dimension;
 use sagnac::study::Study;
+use sagnac_base::quantity::Dimension;
 
 use super::analysis::in_dict;
 use super::argument::at_least_0;

@@ -16,7 +16,6 @@ use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, dec
 use sagnac::events::{Event, Events};
 use sagnac::fit::curve::{FitError, curve_of};
 use sagnac::fit::selection::{Fitting, Terms};
-use sagnac::quantity::number::significant;
 use sagnac::record::excess;
 use sagnac::record::log::measure::{Data, Doubt, MIN_SAMPLES, Unit};
 use sagnac::record::log::outliers::Outliers;
@@ -25,6 +24,7 @@ use sagnac::report::page::document::{Rows, json};
 use sagnac::table::Table;
 use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{Estimator, FLAT_LEVEL, Part};
+use sagnac_base::quantity::number::significant;
 
 use super::argument::word;
 use super::compute::{compute_on, read_on};

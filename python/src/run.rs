@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::analysis::page::{Results, add_sampled_facts};
-use sagnac::chart::Source;
 use sagnac::device::select::Selection;
 use sagnac::report::answer::Answer;
 use sagnac::report::page::{FILE as REPORT, Page};
@@ -16,6 +15,7 @@ use sagnac::study::Study;
 use sagnac::tally::Share;
 use sagnac::verify::select;
 use sagnac::view::picture::pictures;
+use sagnac_engine::chart::Source;
 
 use super::analysis::chart;
 use super::compute::compute;

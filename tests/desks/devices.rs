@@ -6,11 +6,11 @@ use std::time::Instant;
 use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::adapter::Adapter;
 use sagnac::device::{Cpu, Job};
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::moments::Moments;
-use sagnac::kernel::shader::Variant;
-use sagnac::kernel::width::Width;
 use sagnac::tally::Block;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::moments::Moments;
+use sagnac_kernel::shader::Variant;
+use sagnac_kernel::width::Width;
 
 /// Every adapter of this machine. The GPU half of these tests is never skipped.
 pub fn adapters() -> Vec<Adapter> {

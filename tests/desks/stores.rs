@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::width::Width;
 use sagnac::run::{Plan, RunError, Tables};
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac_kernel::width::Width;
 use tempfile::TempDir;
 
 use crate::studies::{Silent, parsed};

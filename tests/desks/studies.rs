@@ -4,16 +4,16 @@
 use std::path::Path;
 
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::width::Width;
-use sagnac::kinds::gap_fill::GapFill;
-use sagnac::kinds::gap_fill::inputs::Point;
-use sagnac::kinds::gap_fill::lower::Lowered;
 pub use sagnac::progress::Silent;
 use sagnac::run::Plan;
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use sagnac::tally::Share;
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::kinds::gap_fill::inputs::Point;
+use sagnac_engine::kinds::gap_fill::lower::Lowered;
+use sagnac_kernel::width::Width;
 
 /// The study of a text; `name` may hold a folder, where records are then looked for.
 pub fn parsed(name: &str, text: &str) -> Study {
@@ -22,7 +22,7 @@ pub fn parsed(name: &str, text: &str) -> Study {
 
 /// What a gap-fill study asks.
 pub fn gap_fill(study: &Study) -> &GapFill {
-    study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap()
+    study.asked::<sagnac_engine::kinds::gap_fill::GapFill>().unwrap()
 }
 
 /// A point of it, ready to be sampled.

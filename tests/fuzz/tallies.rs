@@ -2,9 +2,9 @@
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use sagnac::kernel::moments::{BINS, Moments};
-use sagnac::kernel::rows::Rows;
 use sagnac::store::Tally;
+use sagnac_kernel::moments::{BINS, Moments};
+use sagnac_kernel::rows::Rows;
 
 use crate::campaign::{Target, fuzz};
 use crate::cases::tallies::run;

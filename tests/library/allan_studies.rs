@@ -5,15 +5,15 @@ use std::path::Path;
 use crate::devices::{adapters, open};
 use crate::studies::{Row, parsed, rows};
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::shader::Variant;
-use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::theory::LoweredCurve;
 use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
+use sagnac_kernel::shader::Variant;
+use sagnac_kernel::width::Width;
 
 mod refusals;
 
@@ -218,7 +218,7 @@ fn points_keep_their_identities() {
     );
     let points = [LGV_1, &everything, &switched].map(|noise| {
         let study = parsed("a.toml", &text("", noise, ""));
-        let allan = study.asked::<sagnac::kinds::allan::Allan>().unwrap();
+        let allan = study.asked::<sagnac_engine::kinds::allan::Allan>().unwrap();
         let lowered =
             LoweredCurve::new(&allan.points[0], allan.estimator, study.seed, study.streams).unwrap();
         lowered.address.point.to_string()

@@ -4,12 +4,12 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::analysis::decision::{Sheet, decide};
 use sagnac::progress::Silent;
-use sagnac::quantity::Quantity;
 use sagnac::run::{Plan, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::tally::Share;
 use sagnac::verify::select;
+use sagnac_base::quantity::Quantity;
 
 fn tables(study: &Study) -> Tables {
     let plan = Plan::new(study).unwrap();

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::process::Command;
 
 use sagnac::analysis::firmware::{Firmware, Memory, identifiers};
-use sagnac::kinds::gap_fill::GapFill;
 use sagnac::study::Study;
+use sagnac_engine::kinds::gap_fill::GapFill;
 
 /// Fillers of all kinds, with and without extrapolation, and rules with one row and with several.
 const STUDY: &str = r#"title = "Memory"

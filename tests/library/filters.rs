@@ -1,15 +1,15 @@
 //! Filters that keep a heading: against a Kalman filter that runs step by step, against their own claims, and refusals.
 
 use sagnac::device::Cpu;
-use sagnac::kernel::width::Width;
-use sagnac::key::Streams;
-use sagnac::kinds::navigation::lower::Lowered;
-use sagnac::kinds::navigation::verify::noise_of;
-use sagnac::kinds::navigation::{Inputs, Navigation, Noise, Solution};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::filter::{Model, filtered};
 use sagnac::theory::navigation::{Task, Times, weights};
+use sagnac_engine::key::Streams;
+use sagnac_engine::kinds::navigation::lower::Lowered;
+use sagnac_engine::kinds::navigation::verify::noise_of;
+use sagnac_engine::kinds::navigation::{Inputs, Navigation, Noise, Solution};
+use sagnac_kernel::width::Width;
 
 const TIMES: Times = Times { sample_s: 1.0, alignment: 300, duration: 500, calibrates: false };
 

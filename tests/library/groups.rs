@@ -2,10 +2,10 @@
 
 use crate::devices::{Coverage, adapters, jobs, open, reference};
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::KERNELS;
-use sagnac::kernel::width::Width;
 use sagnac::tally::{Block, cover};
 use sagnac::verify::loads;
+use sagnac_kernel::KERNELS;
+use sagnac_kernel::width::Width;
 
 fn cpu(width: Width, threads: usize) -> Device {
     Device::Cpu(Cpu::new(width, threads).unwrap())

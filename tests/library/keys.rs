@@ -1,8 +1,8 @@
 //! The reference lists every key of study files, from the rows that declare them.
 
 use crate::generated::{check, filled};
-use sagnac::key::docs::Explained;
-use sagnac::kinds::{explain_key, explained_keys};
+use sagnac_engine::key::docs::Explained;
+use sagnac_engine::kinds::{explain_key, explained_keys};
 
 #[test]
 fn the_reference_lists_all_keys() {

@@ -4,18 +4,18 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use sagnac::device::Cpu;
-use sagnac::kernel::curve::Recorded;
-use sagnac::kernel::lock_in::LockIn;
-use sagnac::kernel::shader::Variant;
-use sagnac::kernel::width::Width;
-use sagnac::kinds::lock_in::lower::Gyros;
-use sagnac::kinds::lock_in::verify::{checked, lowered, named_gyros};
-use sagnac::kinds::lock_in::{Dither, Inputs, Readout};
-use sagnac::motion::keys::{Design, Interpolation, Phase, Position};
-use sagnac::motion::{Motion, Profile, Tone};
 use sagnac::record::Record;
 use sagnac::theory::allan::{Estimator, Stride};
 use sagnac::theory::lock_in::mean_rate;
+use sagnac_engine::kinds::lock_in::lower::Gyros;
+use sagnac_engine::kinds::lock_in::verify::{checked, lowered, named_gyros};
+use sagnac_engine::kinds::lock_in::{Dither, Inputs, Readout};
+use sagnac_engine::motion::keys::{Design, Interpolation, Phase, Position};
+use sagnac_engine::motion::{Motion, Profile, Tone};
+use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::lock_in::LockIn;
+use sagnac_kernel::shader::Variant;
+use sagnac_kernel::width::Width;
 
 use crate::devices::{adapters, open};
 
@@ -320,7 +320,7 @@ fn half_cycles_have_the_noise_of_the_inputs() {
         // Amplitudes of the angle in ″, and phases in ″ of the dither's phase.
         let unit = inputs.scale_factor / libm::exp2(f64::from(recipe.amplitude_bits));
         let traces = (0..8).map(|number| recipe.trace(number));
-        let of = |trace: sagnac::kernel::lock_in::Trace| {
+        let of = |trace: sagnac_kernel::lock_in::Trace| {
             let amplitudes = trace.amplitudes.iter().map(|word| f64::from(word.unsigned_abs()) * unit);
             let phases = trace.phases.iter().map(|word| f64::from(*word) / 4_294_967_296.0 * 1_296_000.0);
             (amplitudes.collect::<Vec<_>>(), phases.collect::<Vec<_>>())

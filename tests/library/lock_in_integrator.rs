@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use sagnac::kinds::lock_in::verify::{checked, lowered};
-use sagnac::kinds::lock_in::{Dither, Inputs};
 use sagnac::theory::allan::Estimator;
+use sagnac_engine::kinds::lock_in::verify::{checked, lowered};
+use sagnac_engine::kinds::lock_in::{Dither, Inputs};
 
 /// Largest error of a step of the integrator, in radians of the beat phase.
 const TOLERANCE: f64 = 1e-10;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use sagnac::kinds::{explain_key, explained_keys};
 use sagnac::study::Study;
+use sagnac_engine::kinds::{explain_key, explained_keys};
 
 use crate::studies::{parsed, rows, run_afresh};
 

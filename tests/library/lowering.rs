@@ -2,24 +2,24 @@
 
 use crate::studies::{papers_point, rows, run_afresh, study};
 use sagnac::device::{Cpu, Job};
-use sagnac::filler::{Filler, Method, Target};
-use sagnac::kernel::gap_fill::Shape;
-use sagnac::kernel::gap_fill::shape::Parameters;
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::moments::{LIMIT, Moments};
-use sagnac::kernel::normal::normal;
-use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
-use sagnac::kernel::sine::{QUARTER_TURN, sine};
-use sagnac::kernel::width::Width;
-use sagnac::kernel::word::Scalar;
-use sagnac::key::Unrepresentable;
-use sagnac::kinds::gap_fill::inputs::TickNoise;
-use sagnac::kinds::gap_fill::lower::Lowered;
-use sagnac::kinds::gap_fill::verify::Configuration;
-use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
 use sagnac::tally::cover;
 use sagnac::theory::minimum_variance::Band;
+use sagnac_engine::filler::{Filler, Method, Target};
+use sagnac_engine::key::Unrepresentable;
+use sagnac_engine::kinds::gap_fill::inputs::TickNoise;
+use sagnac_engine::kinds::gap_fill::lower::Lowered;
+use sagnac_engine::kinds::gap_fill::verify::Configuration;
+use sagnac_engine::motion::{Motion, Tone};
+use sagnac_kernel::gap_fill::Shape;
+use sagnac_kernel::gap_fill::shape::Parameters;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::moments::{LIMIT, Moments};
+use sagnac_kernel::normal::normal;
+use sagnac_kernel::philox::{Address, Keys, Purpose, schedule};
+use sagnac_kernel::sine::{QUARTER_TURN, sine};
+use sagnac_kernel::width::Width;
+use sagnac_kernel::word::Scalar;
 
 fn keys(key: [u32; 2]) -> Keys {
     schedule(key.map(Scalar)).map(|key| key.map(|word| word.0))

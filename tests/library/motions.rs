@@ -197,7 +197,7 @@ fn check(name: &str, gyro: &Gyro) {
     let lowered = lowered(&study, &gap_fill(&study).points[0]);
     for (filler, estimates) in fillers.iter().zip(&lowered.fillers) {
         for estimate in estimates {
-            let residual = estimate.error == sagnac::filler::read::Error::Residual;
+            let residual = estimate.error == sagnac_engine::filler::read::Error::Residual;
             let rows = estimate.rows.values();
             let first = gyro.n - rows.len() as i32 + 1;
             for (length, found) in (first..).zip(&rows) {

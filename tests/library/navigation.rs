@@ -4,16 +4,16 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use sagnac::device::{Cpu, Work};
-use sagnac::kernel::width::Width;
-use sagnac::kinds::navigation::lower::Lowered;
-use sagnac::kinds::navigation::verify::{lgk_400, loads, navigator, noise_of, shaped};
-use sagnac::kinds::navigation::{Noise, Solution, Switching};
 use sagnac::study::Study;
 use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::{
     self, ARCSEC, EARTH_RATE, Error, GRAVITY, Leg, RADIUS, Task, Times, weights,
 };
 use sagnac::theory::quantile::Radial;
+use sagnac_engine::kinds::navigation::lower::Lowered;
+use sagnac_engine::kinds::navigation::verify::{lgk_400, loads, navigator, noise_of, shaped};
+use sagnac_engine::kinds::navigation::{Noise, Solution, Switching};
+use sagnac_kernel::width::Width;
 
 use crate::devices::{adapters, name, open, variants};
 

@@ -4,18 +4,18 @@ use std::sync::Arc;
 
 use crate::devices::{Coverage, adapters, on_cpu, on_gpu, open, reference};
 use sagnac::device::gpu::Gpu;
-use sagnac::filler::read::Error;
-use sagnac::filler::{Filler, Method, Target};
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::width::Width;
-use sagnac::kinds::gap_fill::inputs::TickNoise;
-use sagnac::kinds::gap_fill::verify::Configuration;
-use sagnac::motion::keys::{Design, Interpolation, Phase, Position};
-use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac::record::Record;
 use sagnac::tally::cover;
 use sagnac::theory::minimum_variance::Band;
 use sagnac::theory::vibration::Psd;
+use sagnac_engine::filler::read::Error;
+use sagnac_engine::filler::{Filler, Method, Target};
+use sagnac_engine::kinds::gap_fill::inputs::TickNoise;
+use sagnac_engine::kinds::gap_fill::verify::Configuration;
+use sagnac_engine::motion::keys::{Design, Interpolation, Phase, Position};
+use sagnac_engine::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::width::Width;
 
 /// A record of two tones and a drift, 4 s long.
 fn profile(position: Position) -> Motion {

@@ -1,13 +1,13 @@
 //! Noise models in physical units, lowered to records: their curves against the laws and the theory of the lowered words.
 
 use sagnac::device::Cpu;
-use sagnac::kernel::recipe::Recipe;
-use sagnac::kernel::width::Width;
-use sagnac::key::Unrepresentable;
-use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::{Difference, Estimator, FLAT_LEVEL, Part, Process};
 use sagnac::theory::drift::Switching;
+use sagnac_engine::key::Unrepresentable;
+use sagnac_engine::kinds::allan::lower::{Asked, Records};
+use sagnac_engine::kinds::allan::verify::THINNED;
+use sagnac_kernel::recipe::Recipe;
+use sagnac_kernel::width::Width;
 
 mod limits;
 

@@ -3,12 +3,12 @@
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::device::Cpu;
-use sagnac::kernel::width::Width;
-use sagnac::key::Unrepresentable;
-use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 use sagnac::theory::drift::{Magnetic, Switching};
+use sagnac_engine::key::Unrepresentable;
+use sagnac_engine::kinds::allan::lower::{Asked, Records};
+use sagnac_engine::kinds::allan::verify::THINNED;
+use sagnac_kernel::width::Width;
 
 const SAMPLE_S: f64 = 0.5;
 const SAMPLES: u64 = 2000;

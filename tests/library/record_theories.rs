@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use sagnac::device::Cpu;
-use sagnac::kernel::recipe::{Level, Recipe};
-use sagnac::kernel::width::Width;
 use sagnac::theory::allan::{Difference, Estimator, Part, Process, flicker};
+use sagnac_kernel::recipe::{Level, Recipe};
+use sagnac_kernel::width::Width;
 
 const SAMPLES: u32 = 4000;
 const RECORDS: usize = 4096;

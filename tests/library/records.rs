@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use crate::devices::{adapters, open};
 use sagnac::device::Cpu;
-use sagnac::kernel::curve::Recorded;
-use sagnac::kernel::recipe::{Level, Recipe};
-use sagnac::kernel::shader::Variant;
-use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
+use sagnac_engine::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
+use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::recipe::{Level, Recipe};
+use sagnac_kernel::shader::Variant;
+use sagnac_kernel::width::Width;
 
 /// Octaves that a record of `samples` has room for; `overlap` differences in an averaging time, or all.
 fn levels(samples: u32, order: u32, overlap: Option<u32>) -> Vec<Level> {

@@ -3,12 +3,12 @@
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::device::{Cpu, Job};
-use sagnac::kernel::width::Width;
-use sagnac::key::{Streams, Unrepresentable};
-use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
-use sagnac::kinds::relock::verify::{named_relocks, relock};
-use sagnac::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
 use sagnac::tally::{Estimates, cover};
+use sagnac_engine::key::{Streams, Unrepresentable};
+use sagnac_engine::kinds::relock::lower::{LoweredRelock, RelockEstimate};
+use sagnac_engine::kinds::relock::verify::{named_relocks, relock};
+use sagnac_engine::kinds::relock::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint};
+use sagnac_kernel::width::Width;
 
 const TRIALS: u64 = 1 << 20;
 
@@ -303,7 +303,7 @@ fn the_first_trials_are_golden() {
     let mut sums = vec![];
     for estimate in lowered.estimates.iter().filter(|estimate| estimate.tick.is_none()) {
         let launch = lowered.launch(&[estimate]);
-        let trials = sagnac::kernel::moments::Trials { first: 0, count: 4096, histogram: false };
+        let trials = sagnac_kernel::moments::Trials { first: 0, count: 4096, histogram: false };
         let tally = launch.tally(Width::PORTABLE, trials).remove(0);
         sums.push((tally.sum, tally.square));
     }

@@ -9,14 +9,14 @@ use crate::studies::{
 };
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::filler::Filler;
-use sagnac::kernel::gap_fill::Shape;
-use sagnac::kernel::normal::REACH;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::theory::gap::polynomial_weights;
+use sagnac_engine::filler::Filler;
+use sagnac_kernel::gap_fill::Shape;
+use sagnac_kernel::normal::REACH;
 
 #[test]
 fn every_point_of_the_study_agrees_with_its_closed_form_within_5_standard_errors() {

@@ -5,19 +5,19 @@
 
 use crate::devices::{Coverage, adapters, name, on_cpu, on_gpu, open, reference, variants};
 use sagnac::device::{Cpu, Job};
-use sagnac::kernel::gap_fill::Shape;
-use sagnac::kernel::gap_fill::shape::Parameters;
-use sagnac::kernel::launch::Launch;
-use sagnac::kernel::map::Map;
-use sagnac::kernel::moments::{BINS, LIMIT, Moments};
-use sagnac::kernel::philox::{self, philox, schedule};
-use sagnac::kernel::width::Width;
-use sagnac::kernel::word::Scalar;
-use sagnac::kernel::{Form, KERNELS};
-use sagnac::kinds::gap_fill::inputs::TickNoise;
-use sagnac::kinds::gap_fill::verify::{Configuration, configurations};
-use sagnac::motion::keys::Phase;
 use sagnac::tally::{Block, cover};
+use sagnac_engine::kinds::gap_fill::inputs::TickNoise;
+use sagnac_engine::kinds::gap_fill::verify::{Configuration, configurations};
+use sagnac_engine::motion::keys::Phase;
+use sagnac_kernel::gap_fill::Shape;
+use sagnac_kernel::gap_fill::shape::Parameters;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::map::Map;
+use sagnac_kernel::moments::{BINS, LIMIT, Moments};
+use sagnac_kernel::philox::{self, philox, schedule};
+use sagnac_kernel::width::Width;
+use sagnac_kernel::word::Scalar;
+use sagnac_kernel::{Form, KERNELS};
 
 const TRIALS: u64 = 1 << 20;
 

@@ -7,10 +7,10 @@ use sagnac::device::Cpu;
 use sagnac::fit::curve::Curve;
 use sagnac::fit::selection::Terms;
 use sagnac::fit::{Fit, Fitter, fit_record};
-use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::run::realizations;
 use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+use sagnac_engine::kinds::allan::lower::{Asked, Records};
+use sagnac_engine::kinds::allan::run::realizations;
+use sagnac_kernel::width::Width;
 
 const SAMPLES: u64 = 4096;
 const RECORDS: usize = 300;

@@ -5,7 +5,7 @@ use std::process::{Command as Process, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::desk::{Desk, HEADER, PROGRAM, SHIPPED, STUDY, replaced, unwrapped};
-use sagnac::kernel::KERNELS;
+use sagnac_kernel::KERNELS;
 
 #[test]
 fn a_bad_study_among_good_ones_stops_all_before_the_first_starts() {

@@ -1,7 +1,7 @@
 //! The answers in which `sagnac allan` and `compare` end: limits are checked against intervals, and every answer says
 //! what the numbers say.
 
-use sagnac::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
 use serde_json::{Value, json};
 
 use crate::desk::{Desk, rows_of, unwrapped};

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::desk::Desk;
-use sagnac::chart::Source;
 use sagnac::described::{By, File, files, meanings};
-use sagnac::kinds::gap_fill::GAP_FILL;
-use sagnac::kinds::relock::RELOCK;
-use sagnac::kinds::{KINDS, explain_key, explained_keys};
 use sagnac::run::Plan;
 use sagnac::study::{Kind, Study};
 use sagnac::table::Role;
+use sagnac_engine::chart::Source;
+use sagnac_engine::kinds::gap_fill::GAP_FILL;
+use sagnac_engine::kinds::relock::RELOCK;
+use sagnac_engine::kinds::{KINDS, explain_key, explained_keys};
 
 fn root() -> &'static Path {
     Path::new(crate::ROOT)

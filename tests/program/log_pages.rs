@@ -38,7 +38,7 @@ fn the_page_of_a_log_holds_what_its_json_holds() {
     let ended = desk.done(&format!("allan imu.csv {READ} --column gx,gz --json"));
     let document: Value = serde_json::from_str(&ended.stdout).unwrap();
     let page = page(&desk, "results/imu");
-    let shown = |value: &Value| sagnac::quantity::number::significant(value.as_f64().unwrap(), 4);
+    let shown = |value: &Value| sagnac_base::quantity::number::significant(value.as_f64().unwrap(), 4);
     let of_fit = |found: &&Value| found["intervals"] != "of the curve" && !found["value"].is_null();
     for found in rows_of(&document, "coefficients").iter().filter(of_fit) {
         for end in ["value", "lower", "upper"] {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use sagnac::kernel::KERNELS;
+use sagnac_kernel::KERNELS;
 use serde_json::{Value, json};
 
 use crate::browser::Browser;

@@ -3,9 +3,9 @@
 use std::process::Command;
 
 use crate::desk::{Desk, PROGRAM};
-use sagnac::kinds::{KINDS, explained_keys};
 use sagnac::run::Plan;
 use sagnac::study::Study;
+use sagnac_engine::kinds::{KINDS, explained_keys};
 
 const UTF8: (&str, &str) = ("LC_ALL", "C.UTF-8");
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use sagnac::described::{files, meanings};
-use sagnac::key::docs::Explained;
-use sagnac::kinds::{KINDS, explain_key, explained_keys};
 use sagnac::study::Kind;
+use sagnac_engine::key::docs::Explained;
+use sagnac_engine::kinds::{KINDS, explain_key, explained_keys};
 
 use crate::failure::{EXIT_CODES, Failure};
 use crate::look;

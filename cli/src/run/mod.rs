@@ -7,14 +7,14 @@ use std::time::Duration;
 
 use clap::Args;
 use sagnac::device::Device;
-use sagnac::quantity::number::{short, significant};
-use sagnac::quantity::{Dimension, parse as parse_quantity};
 use sagnac::run::{Plan, RESOLVED, RunStats, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::Share;
 use sagnac::view::picture::pictures;
+use sagnac_base::quantity::number::{short, significant};
+use sagnac_base::quantity::{Dimension, parse as parse_quantity};
 
 use crate::failure::Failure;
 use crate::output::{print, print_documents};

@@ -7,13 +7,13 @@ use std::sync::LazyLock;
 
 use rusqlite::Connection;
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::width::Width;
 use sagnac::progress::Silent;
 use sagnac::run::Plan;
 use sagnac::store::source::Source;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac_kernel::width::Width;
 use tempfile::TempDir;
 
 use super::Outcome;

@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use sagnac::device::{Cpu, Device};
-use sagnac::diagnostics::StudyError;
-use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::Allan;
-use sagnac::kinds::switched_run::SwitchedRun;
 use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac_base::diagnostics::StudyError;
+use sagnac_engine::kinds::allan::Allan;
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_kernel::width::Width;
 
 use super::Outcome;
 

@@ -1,8 +1,8 @@
 //! Tallies as the store keeps them: bytes stand for no tally, or for one that survives being written again.
 
-use sagnac::kernel::moments::Moments;
-use sagnac::kernel::rows::Rows;
 use sagnac::store::Tally;
+use sagnac_kernel::moments::Moments;
+use sagnac_kernel::rows::Rows;
 
 use super::Outcome;
 

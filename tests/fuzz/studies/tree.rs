@@ -3,7 +3,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use sagnac::kinds::KINDS;
+use sagnac_engine::kinds::KINDS;
 use toml::{Table, Value};
 
 use super::words::{self, NAMES};

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 /// Every key and every fixed name of the schema.
 pub static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
-    let schema = serde_json::from_str(&sagnac::kinds::schema()).unwrap();
+    let schema = serde_json::from_str(&sagnac_engine::kinds::schema()).unwrap();
     let mut names = Vec::new();
     collect(&schema, &mut names);
     names.sort();

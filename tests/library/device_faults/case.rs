@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex};
 
 use sagnac::device::gpu::adapter::{Adapter, Fault, Faults, Moment};
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::width::Width;
 use sagnac::study::Study;
+use sagnac_kernel::width::Width;
 
 use super::left::{Left, run};
 use super::script::{Place, Script, Seen, scripted};

@@ -2,8 +2,8 @@
 
 use sagnac::device::gpu::adapter::Fault;
 use sagnac::device::{Cpu, Device};
-use sagnac::kernel::width::Width;
 use sagnac::study::Study;
+use sagnac_kernel::width::Width;
 
 use super::case::{AGAIN, SMALLER, Subject};
 use super::left::{Left, run};

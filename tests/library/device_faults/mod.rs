@@ -17,11 +17,11 @@ use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::adapter::{Fault, Faults, Moment, on_wait};
 use sagnac::device::select::SelectError;
 use sagnac::device::{Cpu, Device, GpuError};
-use sagnac::kernel::KERNELS;
-use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 use sagnac::tally::cover;
 use sagnac::verify::{loads, trusted};
+use sagnac_kernel::KERNELS;
+use sagnac_kernel::width::Width;
 use script::{PLACES, Place, Seen, scripted};
 
 /// Four points, some tiles each.

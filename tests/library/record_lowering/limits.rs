@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::kernel::recipe::Recipe;
 use sagnac::theory::allan::{Difference, Part, Process, flicker};
+use sagnac_kernel::recipe::Recipe;
 
 use super::{Model, octaves};
 

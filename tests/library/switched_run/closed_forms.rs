@@ -1,8 +1,8 @@
 //! Runs against the closed forms of their drift and residuals.
 
-use sagnac::kernel::switched_run::trajectory;
-use sagnac::kinds::switched_run::lower::LoweredRun;
 use sagnac::theory::drift::{Magnetic, switches};
+use sagnac_engine::kinds::switched_run::lower::LoweredRun;
+use sagnac_kernel::switched_run::trajectory;
 
 use super::texts::{DRIFT, numbers, study};
 use crate::studies::parsed;
@@ -22,7 +22,7 @@ fn runs_without_spreads_and_residuals_are_those_of_the_reference() {
             &format!("duration = \"{t} s\"\nend = \"exact\"\n"),
             "",
         );
-        let runs = study.asked::<sagnac::kinds::switched_run::SwitchedRun>().unwrap();
+        let runs = study.asked::<sagnac_engine::kinds::switched_run::SwitchedRun>().unwrap();
         let lowered = LoweredRun::new(&runs.points[0], runs, 1, study.streams).unwrap();
         let filled = &lowered.fillers[0];
         let (launch, shape) = filled.trajectories();
@@ -358,7 +358,7 @@ fn another_number_of_relock_ticks_is_another_point() {
     let id = |ticks: u32| {
         let study = filled_text(1000, "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n", "");
         let study = parsed("runs.toml", &format!("{study}{RELOCK}ticks = {ticks}\n"));
-        let runs = study.asked::<sagnac::kinds::switched_run::SwitchedRun>().unwrap();
+        let runs = study.asked::<sagnac_engine::kinds::switched_run::SwitchedRun>().unwrap();
         LoweredRun::new(&runs.points[0], runs, 1, study.streams).unwrap().id
     };
     assert_ne!(id(4), id(8));

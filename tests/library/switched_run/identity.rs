@@ -1,11 +1,11 @@
 //! What the suite of all kernels does not go through: trial numbers beyond 2^32, small tiles, trajectories.
 
 use sagnac::device::Cpu;
-use sagnac::kernel::moments::Trials;
-use sagnac::kernel::switched_run::{Shape, trajectory};
-use sagnac::kernel::width::Width;
-use sagnac::kinds::switched_run::verify::run_launches;
 use sagnac::tally::cover;
+use sagnac_engine::kinds::switched_run::verify::run_launches;
+use sagnac_kernel::moments::Trials;
+use sagnac_kernel::switched_run::{Shape, trajectory};
+use sagnac_kernel::width::Width;
 
 use crate::devices::{adapters, jobs, on_gpu, open, reference, total};
 

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::fillers::{STUDY, SWEEPS, chosen, entry, names, near, swept, tables};
 use crate::desk::{Desk, fact_of, number, row, rows_of, unwrapped};
-use sagnac::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
 
 #[test]
 fn the_point_of_a_study_with_sweeps_is_the_one_asked_for_or_the_first_of_those_with_its_weights() {

@@ -1,12 +1,12 @@
 //! Reports of what is little, nothing or very much.
 
-use sagnac::chart::{Chart, Shows};
 use sagnac::report::answer::Answer;
 use sagnac::report::chart::Picture;
 use sagnac::report::page::{Block, Page, Section};
 use sagnac::table::Table;
 use sagnac::view::from_table;
 use sagnac::view::picture::Drawn;
+use sagnac_engine::chart::{Chart, Shows};
 use serde_json::json;
 use tempfile::TempDir;
 

@@ -1,7 +1,7 @@
 //! Errors of three fillers over the frequency, as a table and its chart.
 
-use sagnac::chart::{Chart, Limit, Shows};
 use sagnac::table::{Cell, Column, Role, Table, Unit};
+use sagnac_engine::chart::{Chart, Limit, Shows};
 
 pub fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
     Column { name: name.to_owned(), label: name.to_owned(), unit, cells: cells.into(), ..Column::default() }

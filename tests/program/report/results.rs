@@ -96,9 +96,11 @@ pub fn shown(cell: &str, digits: usize) -> String {
     let exact = format!("{number:.40e}");
     let figures: String = exact.chars().filter(char::is_ascii_digit).skip(digits).take(30).collect();
     let is_tie = figures.starts_with('5') && figures[1..].bytes().all(|figure| figure == b'0');
-    let text =
-        sagnac::quantity::number::significant(if is_tie { number * (1.0 + 1e-12) } else { number }, digits)
-            .replace('-', "−");
+    let text = sagnac_base::quantity::number::significant(
+        if is_tie { number * (1.0 + 1e-12) } else { number },
+        digits,
+    )
+    .replace('-', "−");
     match text.split_once('e') {
         None => text,
         Some((mantissa, exponent)) => {
