@@ -1,8 +1,8 @@
 //! The charts of a study: figures and maps from the rows of a table that a chart selects.
 //!
 //! ```
-//! use sagnac::chart::{Chart, Limit, Shows};
-//! use sagnac::key::sweep::Scale;
+//! use sagnac_engine::chart::{Chart, Limit, Shows};
+//! use sagnac_engine::key::sweep::Scale;
 //! use sagnac::table::{Cell, Column, Table, Unit};
 //! use sagnac::view::from_table::figure;
 //! use sagnac::view::map_from_table::map;

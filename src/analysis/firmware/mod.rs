@@ -17,13 +17,13 @@
 //! # use sagnac::study::Study;
 //! # let text = include_str!("../../../studies/error_vs_dtnu.toml");
 //! let study = Study::parse("study.toml", text)?;
-//! let gap_fill = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
+//! let gap_fill = study.asked::<sagnac_engine::kinds::gap_fill::GapFill>().unwrap();
 //! let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
 //! let quadratic = &firmware.designs[2];
 //! // The first point has a gap of one tick: (−1, 4, 4, −1)/6.
 //! assert_eq!(quadratic.interpolation.fill(&[0, 10, 14, 0]), [16]);
 //! assert!(firmware.header().contains("sagnac_quadratic"));
-//! # Ok::<(), sagnac::diagnostics::StudyError>(())
+//! # Ok::<(), sagnac_base::diagnostics::StudyError>(())
 //! ```
 
 pub mod choice;

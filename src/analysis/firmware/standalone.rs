@@ -40,10 +40,10 @@ impl Alone {
     /// # use sagnac::study::Study;
     /// let text = Alone { gap_ticks: 3, ..Alone::default() }.study(&["quadratic"]);
     /// let study = Study::parse("quadratic", &text)?;
-    /// let gap_fill = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
+    /// let gap_fill = study.asked::<sagnac_engine::kinds::gap_fill::GapFill>().unwrap();
     /// let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
     /// assert_eq!(firmware.designs[0].interpolation.whole().values().collect::<Vec<_>>(), [-1.0, 2.5, 2.5, -1.0]);
-    /// # Ok::<(), sagnac::diagnostics::StudyError>(())
+    /// # Ok::<(), sagnac_base::diagnostics::StudyError>(())
     /// ```
     pub fn study<K: AsRef<str>>(&self, kinds: &[K]) -> String {
         let kinds: Vec<&str> = kinds.iter().map(AsRef::as_ref).collect();
