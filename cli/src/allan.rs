@@ -1,9 +1,10 @@
 //! `sagnac allan`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::{self, one_of};
 use crate::failure::Failure;
+use crate::outcome::save;
 use crate::output::{Output, print_documents, write_new};
 use crate::reading::{Reading, seconds};
 use clap::Args;
@@ -14,8 +15,10 @@ use sagnac::analysis::log::{NoiseRequest, Suppose};
 use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::use_cases::{self, AllanRequest};
+use sagnac::progress::Silent;
 use sagnac::record::log::Log;
 use sagnac::record::log::measure::Data;
+use sagnac::report::page::FILE as REPORT;
 use sagnac_base::quantity::{Dimension, Quantity, parse};
 use sagnac_engine::kinds::allan::run::MIN_REALIZATIONS;
 
@@ -30,6 +33,9 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     for (path, folder) in options.files.iter().zip(&folders) {
         let mut log = options.reading.read_as_recorded(path, &request)?;
         options.check_record(&log)?;
+        if let Some(first) = allan.first(&log) {
+            save_first(options, log.clone(), path, folder, &first, &mut earlier.clone())?;
+        }
         let outcome = use_cases::allan(&mut log, path, &allan, &mut earlier, &options.output.progress())?;
         let mut places = vec![];
         if let Some(path) = &options.record {
@@ -40,6 +46,28 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     }
     print_documents(&documents, options.files.len())
 }
+
+/// Writes the first page of a log, and prints its headline as a note.
+fn save_first(
+    options: &Options,
+    mut log: Log,
+    path: &Path,
+    folder: &Path,
+    request: &AllanRequest,
+    earlier: &mut Vec<(u64, String)>,
+) -> Result<(), Failure> {
+    let mut first = use_cases::allan(&mut log, path, request, earlier, &Silent)?;
+    first.page.notes.insert(0, format!("{FIRST}; the page is written again with them"));
+    save(&first, folder, [path])?;
+    if !options.output.json && !options.output.printed.quiet {
+        let report = folder.join(REPORT);
+        note!("{}: {FIRST}; {} has the rest", first.page.answer.headline, report.display());
+    }
+    Ok(())
+}
+
+/// What is missing on a first page.
+const FIRST: &str = "intervals of coefficients from simulated records, and navigators, follow";
 
 /// The results folder of each file.
 fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {

@@ -34,17 +34,29 @@ pub fn finish<'a>(
     json: bool,
     printed: &Printed,
 ) -> Result<Option<String>, Failure> {
-    let folder = Folder::open(path)?.reading(inputs);
-    for (name, table) in outcome.all_tables() {
-        write_table(&folder, name, table)?;
-    }
-    folder.write(CARD, json!(outcome.page.card(&spell)).to_string().as_bytes())?;
-    save_page(outcome, &folder)?;
+    save(outcome, path, inputs)?;
     if json {
         return Ok(Some(outcome.json(&spell)));
     }
     show(outcome, places, printed, path)?;
     Ok(None)
+}
+
+/// Writes the results of a command that read `inputs` into a folder.
+///
+/// # Errors
+/// A chart cannot be drawn, or a file cannot be written or removed.
+pub fn save<'a>(
+    outcome: &Outcome,
+    path: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), Failure> {
+    let folder = Folder::open(path)?.reading(inputs);
+    for (name, table) in outcome.all_tables() {
+        write_table(&folder, name, table)?;
+    }
+    folder.write(CARD, json!(outcome.page.card(&spell)).to_string().as_bytes())?;
+    save_page(outcome, &folder)
 }
 
 /// Spells settings as options.

@@ -14,6 +14,7 @@ use std::path::Path;
 
 use crate::analysis::batch::{Batch, BatchError};
 use crate::analysis::compare::logs::{self, CompareError, RatioLimit};
+use crate::analysis::data_sheet::Intervals;
 use crate::analysis::dynamic::{self, Dynamic, DynamicError};
 use crate::analysis::log::report::heading;
 use crate::analysis::log::{self, NoiseRequest, Treatment, noise_file};
@@ -84,6 +85,9 @@ impl LogError {
     }
 }
 
+/// Number of simulated samples that take about a second.
+const LONG: usize = 300_000_000;
+
 /// The request for the analysis of a log: its noise and its spectra, and what is asked for beside them.
 #[derive(Debug, Clone)]
 pub struct AllanRequest {
@@ -127,6 +131,16 @@ impl AllanRequest {
             return Err(LogError::NoFit);
         }
         Ok(())
+    }
+
+    /// The request of a first page, which does not wait for navigators and simulated records: the intervals of coefficients are those
+    /// in closed form. `None` where neither takes long.
+    pub fn first(&self, log: &Log) -> Option<AllanRequest> {
+        let samples = log.samples() * log.channels.len();
+        let simulated = samples.saturating_mul(Intervals::simulated(self.noise.simulated, samples).records);
+        let is_slow = self.noise.fitting.is_some() && (self.navigators.is_some() || simulated > LONG);
+        let noise = NoiseRequest { simulated: Some(0), ..self.noise.clone() };
+        is_slow.then(|| AllanRequest { noise, navigators: None, ..self.clone() })
     }
 
     /// The densities of a log, or why it has none.
