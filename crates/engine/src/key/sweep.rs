@@ -454,9 +454,12 @@ pub(crate) struct Sweepable<I> {
     targets: Vec<Target<I>>,
 }
 
+/// Sets a swept value in inputs.
+type SetSwept<I> = Box<dyn Fn(&mut I, &Swept)>;
+
 struct Target<I> {
     key: &'static Key,
-    set: Box<dyn Fn(&mut I, &Swept)>,
+    set: SetSwept<I>,
 }
 
 impl<I: Clone + 'static> Sweepable<I> {
