@@ -156,10 +156,13 @@ fn stability(column: &log::Column) -> Vec<Row> {
     vec![row, tau]
 }
 
+/// The name of the row of the minimum of a curve, with which that of its τ begins.
+pub(crate) const MINIMUM: &str = "in_run_bias_stability";
+
 /// The minimum of a curve as a row.
 pub(crate) fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
     Row {
-        name: "in_run_bias_stability",
+        name: MINIMUM,
         unit: unit.in_files(deviation),
         symbol: unit.symbol(deviation),
         value: minimum.point.value,

@@ -8,7 +8,7 @@ use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::dynamic::{self, Dynamic};
 use crate::analysis::log::{Analysis as Noise, Column, events, figures, noise_file, report};
 use crate::analysis::page::record::{self, Source, by_name};
-use crate::analysis::page::{chart, grid, grid_where, range, shown, spectrum, texts};
+use crate::analysis::page::{chart, grid, grid_where, minimum, range, shown, side_by_side, spectrum, texts};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, report as of_spectra};
 use crate::analysis::temperature::{self, Temperature};
 use sagnac_base::quantity::number::{significant, with_unit};
@@ -100,13 +100,12 @@ fn curve_tables(noise: &Noise) -> Vec<Block> {
             let is_meant = |row: usize| {
                 deviations[row] == deviation.name() && columns.iter().any(|column| column.name == names[row])
             };
-            let omitted = ["deviation", "m", "unit", "alpha_from", "treatment", "edf", "edf_from"];
-            let omitted =
-                if columns.len() > 1 { &omitted[..] } else { &[&omitted[..], &["column"]].concat() };
-            Block::More(
-                format!("{title}, with {} intervals", noise.percent()),
-                grid_where(&table, omitted, is_meant),
-            )
+            let omitted = ["column", "deviation", "m", "unit", "alpha_from", "treatment", "edf", "edf_from"];
+            let grid = match columns.len() {
+                1 => grid_where(&table, &omitted, is_meant),
+                _ => side_by_side(&table, &["tau"], is_meant),
+            };
+            Block::More(format!("{title}, with {} intervals", noise.percent()), grid)
         };
         let curves = columns.first().map_or(&[][..], |column| &column.curves);
         curves.iter().map(|curve| of_deviation(curve.deviation)).collect::<Vec<_>>()
@@ -115,19 +114,34 @@ fn curve_tables(noise: &Noise) -> Vec<Block> {
 }
 
 fn coefficients(noise: &Noise) -> Section {
-    let table = grid(&report::coefficients(noise), &["intervals", "fit_from", "fit_to", "fitted"]);
-    let table = (!table.rows.is_empty()).then_some(Block::Grid(table));
+    let table = report::coefficients(noise);
+    let [names, coefficients] = ["column", "coefficient"].map(|name| texts(&table, name));
+    let of_unit = |unit: Unit| {
+        let columns: Vec<&Column> = noise.of_unit(unit).collect();
+        // The minimum of the curve is a line below.
+        let is_meant = |row: usize| {
+            !coefficients[row].starts_with(report::MINIMUM)
+                && columns.iter().any(|one| one.name == names[row])
+        };
+        let omitted = ["column", "intervals", "fit_from", "fit_to", "fitted"];
+        match columns.len() {
+            1 => grid_where(&table, &omitted, is_meant),
+            _ => side_by_side(&table, &["coefficient", "unit"], is_meant),
+        }
+    };
+    let grids = noise.units().map(of_unit).filter(|grid| !grid.rows.is_empty()).map(Block::Grid);
     let of = |text: &dyn Fn(&Column) -> Option<String>| {
         by_name(noise.columns.iter().filter_map(|column| Some((&*column.name, text(column)?))).collect())
     };
     let facts = [
         ("Fit", of(&fit)),
         ("95 % intervals", of(&|column| Some(column.noise()?.intervals.words()))),
+        ("Curve minimum", of(&minimum)),
         ("Record that would show B", by_name(longer_records(noise))),
     ];
     let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
     let facts = (!facts.is_empty()).then_some(Block::Facts(facts));
-    Section::new("coefficients", "Coefficients", table.into_iter().chain(facts))
+    Section::new("coefficients", "Coefficients", grids.chain(facts))
 }
 
 /// The range of a fit, and how well it describes the curve.

@@ -28,11 +28,12 @@ pub use crate::analysis::page::log::{of_dynamic, of_log, of_navigators, of_tempe
 pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::study::{PARTIAL, Results, add_sampled_facts};
 
-use crate::analysis::log::events;
+use crate::analysis::log::{Column, events};
 use crate::view::picture::Drawn;
 use sagnac_base::quantity::number::{probability, significant, with_unit};
-use sagnac_base::table::{self, Role, Table};
+use sagnac_base::table::{self, Role, Table, grouped};
 use sagnac_engine::study::Study;
+use sagnac_records::allan::Minimum;
 use sagnac_records::fit::Fit;
 use sagnac_report::chart::Picture;
 use sagnac_report::page::{Block, Cell, Grid, Section};
@@ -71,35 +72,65 @@ pub(crate) fn grid(table: &Table, omitted: &[&str]) -> Grid {
     grid_where(table, omitted, |_| true)
 }
 
-/// A [`grid`] of some rows. A value that is not known, with an interval from 0, has its upper limit instead.
+/// A [`grid`] of some rows.
 pub(crate) fn grid_where(table: &Table, omitted: &[&str], is_meant: impl Fn(usize) -> bool) -> Grid {
     let rows: Vec<usize> = (0..table.rows()).filter(|row| is_meant(*row)).collect();
-    let end = |column: &table::Column, role: Role, row: usize| {
-        let end = table.columns.iter().find(|end| end.role == role && end.of == column.name)?;
-        end.cells[row].number()
-    };
-    let cell = |column: &table::Column, row: usize| {
-        let ends = end(column, Role::Lower, row).zip(end(column, Role::Upper, row));
-        let below = ends.map(|ends| interval(ends.into())).unwrap_or_default();
-        match (&column.cells[row], ends) {
-            (table::Cell::Blank, Some((0.0, most))) => format!("≤ {}", significant(most, DIGITS)).into(),
-            (table::Cell::Blank, Some(_)) => Cell { text: "–".to_owned(), below },
-            (value, _) => Cell { text: text(column, value), below },
-        }
-    };
     let is_shown = |column: &&table::Column| {
         let is_end = matches!(column.role, Role::Lower | Role::Upper);
-        let has_value = || rows.iter().any(|&row| !cell(column, row).text.is_empty());
+        let has_value = || rows.iter().any(|&row| !cell(table, column, row).text.is_empty());
         !is_end && !omitted.contains(&column.name.as_str()) && has_value()
     };
     let shown: Vec<&table::Column> = table.columns.iter().filter(is_shown).collect();
-    let row = |&row: &usize| shown.iter().map(|column| cell(column, row)).collect::<Vec<_>>();
-    // A label that is a name has no better words.
-    let title = |column: &&table::Column| match column.label == column.name {
-        true => column.title().replace('_', " ").replace("tau", "τ"),
-        false => column.title(),
+    let row = |&row: &usize| shown.iter().map(|column| cell(table, column, row)).collect::<Vec<_>>();
+    Grid::new(shown.iter().map(|column| heading(column)), rows.iter().map(row))
+}
+
+/// A grid with the records of a table side by side: a row for each different text of the columns `keys`, with a cell for each
+/// text of `column`, which has its `value`, or its bound above the first words of its status.
+pub(crate) fn side_by_side(table: &Table, keys: &[&str], is_meant: impl Fn(usize) -> bool) -> Grid {
+    let keys: Vec<&table::Column> = keys.iter().filter_map(|key| table.column(key).ok()).collect();
+    let [records, status] = ["column", "status"].map(|name| texts(table, name));
+    let rows = || (0..table.rows()).filter(|row| is_meant(*row));
+    let key = |row: usize| keys.iter().map(|column| cell(table, column, row).text).collect::<Vec<String>>();
+    let names = grouped(rows(), |row| records[row].clone());
+    let value = table.column("value").ok();
+    let of_record = |row: usize| {
+        let cell = value.map_or_else(Cell::default, |value| cell(table, value, row));
+        let has_bound = cell.below.is_empty() && cell.text.starts_with(['≤', '–']);
+        let below = status.get(row).filter(|_| has_bound).and_then(|status| status.split(',').next());
+        Cell { below: below.map_or(cell.below, str::to_owned), ..cell }
     };
-    Grid::new(shown.iter().map(title), rows.iter().map(row))
+    let line = |(key, rows): (Vec<String>, Vec<usize>)| {
+        let cells = names.iter().map(|(name, _)| {
+            rows.iter().find(|&&row| records[row] == *name).map_or_else(Cell::default, |&row| of_record(row))
+        });
+        key.into_iter().map(Cell::from).chain(cells).collect::<Vec<_>>()
+    };
+    let head = keys.iter().map(|column| heading(column)).chain(names.iter().map(|(name, _)| name.clone()));
+    Grid::new(head, grouped(rows(), key).into_iter().map(line))
+}
+
+/// A value above its interval. One that is not known, with an interval from 0, has its upper limit instead.
+fn cell(table: &Table, column: &table::Column, row: usize) -> Cell {
+    let end = |role: Role| {
+        let end = table.columns.iter().find(|end| end.role == role && end.of == column.name)?;
+        end.cells[row].number()
+    };
+    let ends = end(Role::Lower).zip(end(Role::Upper));
+    let below = ends.map(|ends| interval(ends.into())).unwrap_or_default();
+    match (&column.cells[row], ends) {
+        (table::Cell::Blank, Some((0.0, most))) => format!("≤ {}", significant(most, DIGITS)).into(),
+        (table::Cell::Blank, Some(_)) => Cell { text: "–".to_owned(), below },
+        (value, _) => Cell { text: text(column, value), below },
+    }
+}
+
+/// The heading of a column; a label that is a name has no better words.
+fn heading(column: &table::Column) -> String {
+    match column.label == column.name {
+        true => column.title().replace('_', " ").replace("tau", "τ").replace("alpha", "α"),
+        false => column.title(),
+    }
 }
 
 /// A value to read: a count with all its digits, a time or a frequency with enough of them to be found in the record.
@@ -126,6 +157,16 @@ fn symbol(unit: &str) -> String {
 /// The texts of a column of a table.
 pub(crate) fn texts(table: &Table, name: &str) -> Vec<String> {
     table.column(name).map_or(vec![], |column| column.cells.iter().map(table::Cell::text).collect())
+}
+
+/// The minimum of the first curve of rates, such as `0.01 °/h (0.009 … 0.012) at τ = 100 s`.
+pub(crate) fn minimum(column: &Column) -> Option<String> {
+    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
+    let Minimum { point, at_end } = curve.minimum?;
+    let value = in_unit(point.value?, column.unit.symbol(curve.deviation));
+    let ends = point.interval.map(|ends| format!(" ({})", interval(ends.into()))).unwrap_or_default();
+    let end = if at_end { ", where the curve ends" } else { "" };
+    Some(format!("{value}{ends} at τ = {} s{end}", significant(point.tau_s, DIGITS)))
 }
 
 /// A value with its unit, if it has one.
