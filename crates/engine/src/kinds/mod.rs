@@ -22,8 +22,11 @@ macro_rules! kinds {
     ($($vis:vis mod $module:ident = $KIND:ident;)+) => {
         $($vis mod $module;)+
 
+        /// Names of the modules of the kinds.
+        const MODULES: &[&str] = &[$(stringify!($module)),+];
+
         /// Every kind of study.
-        pub static KINDS: [&Kind; [$(stringify!($module)),+].len()] = [$(&$module::$KIND),+];
+        pub static KINDS: [&Kind; MODULES.len()] = [$(&$module::$KIND),+];
     };
 }
 

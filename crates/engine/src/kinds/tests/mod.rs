@@ -8,10 +8,10 @@ use std::path::Path;
 
 use crate::key::Key;
 use crate::key::sweep::{Scale, Swept};
-use crate::kinds::KINDS;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::schema;
+use crate::kinds::{KINDS, MODULES};
 use crate::motion::{Motion, Tone};
 use crate::study::Study;
 use sagnac_base::quantity::{Dimension, Quantity};
@@ -282,6 +282,17 @@ fn a_resolved_study_has_its_seed_and_trials_whatever_its_form() {
             assert_eq!(resolved.contains("0x10"), text.contains("0x10") && seed == 16, "{resolved}");
             assert_eq!(resolved.contains("# hex"), text.contains("# hex"), "{resolved}");
         }
+    }
+}
+
+#[test]
+fn every_folder_of_a_kind_is_in_the_list() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/kinds");
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let folders = entries.filter(|entry| entry.path().is_dir()).map(|entry| entry.file_name());
+    for folder in folders.filter(|name| name != "tests") {
+        let name = folder.to_str().unwrap();
+        assert!(MODULES.contains(&name), "`kinds!` lacks {name}");
     }
 }
 
