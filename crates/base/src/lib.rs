@@ -14,7 +14,6 @@
 pub mod diagnostics;
 pub mod progress;
 pub mod quantity;
-pub mod stopwatch;
 pub mod table;
 pub mod text_file;
 

@@ -1,4 +1,4 @@
-//! Progress: reports from a run to its caller while it proceeds, and a way for the caller to stop it.
+//! Progress of a run: reports to its caller while it proceeds, a way for the caller to stop it, and the time that it takes.
 
 /// Receives progress; may ask the run to stop.
 ///
@@ -30,3 +30,28 @@ pub trait Progress: Sync {
 pub struct Silent;
 
 impl Progress for Silent {}
+
+/// Measures the time since its start. WebAssembly has no clock, so there no time passes.
+#[derive(Debug, Clone, Copy)]
+pub struct Stopwatch {
+    #[cfg(not(target_family = "wasm"))]
+    started: std::time::Instant,
+}
+
+impl Stopwatch {
+    /// Starts it.
+    pub fn start() -> Stopwatch {
+        Stopwatch {
+            #[cfg(not(target_family = "wasm"))]
+            started: std::time::Instant::now(),
+        }
+    }
+
+    /// Seconds since the start.
+    pub fn seconds(&self) -> f64 {
+        #[cfg(not(target_family = "wasm"))]
+        return self.started.elapsed().as_secs_f64();
+        #[cfg(target_family = "wasm")]
+        return 0.0;
+    }
+}

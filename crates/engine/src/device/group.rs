@@ -7,7 +7,7 @@ use std::thread::{self, ScopedJoinHandle};
 
 use crate::device::{Advance, Device, GpuError, Job, RetryProgress, Tallies};
 use crate::tally::cover;
-use sagnac_base::stopwatch::Stopwatch;
+use sagnac_base::progress::Stopwatch;
 
 /// Devices that share work. Each works on a thread of its own and takes parts of the work that are as large as its measured
 /// speed, so that all end at about the same time.
