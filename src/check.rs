@@ -15,14 +15,14 @@ use sagnac_engine::store::source::Source;
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::Share;
 
-/// What a check is asked for.
+/// The request for a check.
 #[derive(Debug, Clone)]
 pub struct CheckRequest {
     /// The folder with results of a study.
     pub folder: PathBuf,
 }
 
-/// What a check has found.
+/// The result of a check.
 #[derive(Debug, Clone, Default)]
 pub struct CheckOutcome {
     /// Number of intact rows, and of their points.
@@ -31,9 +31,9 @@ pub struct CheckOutcome {
     pub about: String,
     /// Number of missing trials.
     pub missing_trials: u64,
-    /// What is damaged, missing or changed, a message each.
+    /// A message for each thing that is damaged, missing or changed.
     pub faults: Vec<String>,
-    /// What cannot be checked, a sentence each.
+    /// A sentence for each thing that cannot be checked.
     pub notes: Vec<String>,
     /// Files that an interrupted command was to write or to remove.
     pub unfinished: Vec<String>,

@@ -7,7 +7,7 @@ use sagnac_base::table::Table;
 use sagnac_report::page::Page;
 use sagnac_report::page::document::{Document, Provenance, json};
 
-/// What a use case has found, with the contents of its files by their names.
+/// The result of a use case, with the contents of its files by their names.
 #[derive(Debug)]
 pub struct Outcome {
     /// Name of a folder for it among the results of a study; empty where it is of none.

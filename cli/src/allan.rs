@@ -66,7 +66,7 @@ fn save_first(
     Ok(())
 }
 
-/// What is missing on a first page.
+/// The note that a first page is not complete.
 const FIRST: &str = "intervals of coefficients from simulated records, and navigators, follow";
 
 /// The results folder of each file.

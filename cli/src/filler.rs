@@ -75,7 +75,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// What fillers are asked for, and the name of the study file or of the fillers.
+    /// The request, and the name of the study file or of the fillers.
     ///
     /// # Errors
     /// An option does not apply or is missing, or the study cannot be read.

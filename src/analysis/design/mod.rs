@@ -89,7 +89,7 @@ pub use crate::analysis::design::runs::Measure;
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.
 const MANY: u64 = 20_000_000_000;
 
-/// What a design is asked for beside its study, which has the trials and the seed.
+/// The request for a design, beside its study, which has the trials and the seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesignRequest {
     /// Quantity to minimize.

@@ -195,12 +195,12 @@ fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
 const FILES: [&str; 7] =
     ["fillers.csv", "weights.csv", "trade.csv", "test_vectors.csv", HEADER, "response", "trade"];
 
-/// What fillers are asked for.
+/// The fillers that are asked for.
 #[derive(Debug, Clone)]
 pub struct FillerRequest {
     /// Where the fillers come from.
     pub source: FillerSource,
-    /// What a searched filler must meet; without it nothing is searched.
+    /// Requirements on a searched filler; without them nothing is searched.
     pub search: Option<Asked>,
     /// Number of test vectors for each filler, if any.
     pub vectors: Option<usize>,

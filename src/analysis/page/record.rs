@@ -36,7 +36,7 @@ struct Recorded<'a> {
 /// A column of a log with its analysis, as a section shows it.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
-    /// What it is called.
+    /// Name of the record.
     pub name: &'a str,
     pub log: &'a Log,
     pub channel: &'a Channel,

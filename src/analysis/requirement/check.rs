@@ -15,7 +15,7 @@ use sagnac_report::answer::{Alternative, Fact, Reading};
 /// A record that is checked against limits: a column of a log, or a unit of a batch.
 #[derive(Debug, Clone)]
 pub struct Subject<'a> {
-    /// What it is called.
+    /// Name of the log or of its column.
     pub label: &'a str,
     /// Unit of its curves.
     pub unit: Curves,

@@ -66,7 +66,7 @@ use sagnac_report::page::document::Provenance;
 pub use crate::analysis::sensitivity::report::Input;
 pub use crate::analysis::sensitivity::sobol::Index;
 
-/// What a sensitivity is asked for beside its study, which has the seed.
+/// The request for a sensitivity, beside its study, which has the seed.
 #[derive(Debug, Clone, Default)]
 pub struct SensitivityRequest {
     /// Column of the points whose value is the answer. If absent, the one by which the study is judged.
@@ -125,7 +125,7 @@ const MIN_TRIALS: u64 = 4096;
 /// Part of the variance from which on the Monte Carlo error is reported.
 const REPORTED_NOISE: f64 = 0.01;
 
-/// What decides the answer of a study with uncertain inputs: a page with the indices of the inputs, the tornado and the distribution
+/// Finds which uncertain inputs decide the answer of a study: a page with the indices of the inputs, the tornado and the distribution
 /// of the answer. `progress` counts evaluations.
 ///
 /// # Errors

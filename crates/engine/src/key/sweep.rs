@@ -532,7 +532,7 @@ impl<I: Clone + 'static> Sweepable<I> {
     }
 }
 
-/// What the file of this name holds, among those of a sweep over files.
+/// The contents of the file of this name, among those of a sweep over files.
 pub(crate) fn of_name<T: Clone>(files: &[(String, T)], name: &str) -> Option<T> {
     files.iter().find(|(known, _)| known == name).map(|(_, held)| held.clone())
 }

@@ -106,7 +106,7 @@ pub(crate) fn estimates<T: Sync>(
     })
 }
 
-/// What a run is before a device makes it: the batches that a store lacks, in rounds.
+/// A run as the batches that a store lacks, in rounds.
 ///
 /// A driver takes a batch by [`next`](Steps::next), lets a device make it, puts the results into the store, and takes the next one.
 /// It may take the next batch before. After the last batch of a round it asks for [`more`](Steps::more).
@@ -131,7 +131,7 @@ pub trait Steps: Send {
         Ok(false)
     }
 
-    /// What [`Batch::amount`] counts.
+    /// The unit of [`Batch::amount`].
     fn unit(&self) -> &'static str;
 
     /// Number of records that make a trial.
@@ -178,9 +178,9 @@ pub struct RecordsTask {
 /// The results of a batch.
 #[derive(Debug)]
 pub enum Results {
-    /// Those of trials: for each task a tally of each of its estimates.
+    /// For each task of trials a tally of each of its estimates.
     Tallies(Tallies),
-    /// Those of records: their sums, record by record.
+    /// Sums of records, record by record.
     Sums(Vec<u128>),
 }
 

@@ -36,7 +36,7 @@ pub struct Allan {
     pub terms: Option<Terms>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What all points have in common.
+    /// The inputs that all points have in common.
     base: Base,
 }
 

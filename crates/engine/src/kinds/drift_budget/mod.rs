@@ -25,7 +25,7 @@ use sagnac_theory::drift::{Ending, Magnetic, Spread, switches};
 pub(crate) struct DriftBudget {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What all points have in common.
+    /// The inputs that all points have in common.
     base: Point,
 }
 

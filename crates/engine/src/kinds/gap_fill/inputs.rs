@@ -299,7 +299,7 @@ impl Switch {
     }
 }
 
-/// What all points have in common, with the places of the keys of the study.
+/// The inputs that all points have in common, with the places of the keys of the study.
 struct Base<'a> {
     switch: &'a Switch,
     places: &'a SpanMap,

@@ -51,7 +51,7 @@ pub struct GapFill {
 }
 
 impl GapFill {
-    /// The same switch at the points of other sweeps.
+    /// This switch at the points of other sweeps.
     ///
     /// # Errors
     /// A sweep does not apply, or the first point that is invalid.

@@ -38,7 +38,7 @@ pub struct LockInStudy {
     pub terms: Option<Terms>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What all points have in common.
+    /// The inputs that all points have in common.
     inputs: Inputs,
     /// The averaging times, where the study needs some.
     taus: Option<Taus>,

@@ -40,7 +40,7 @@ pub struct Navigation {
     pub uncertain: Vec<Uncertain>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What all points have in common.
+    /// The inputs that all points have in common.
     base: Base,
 }
 

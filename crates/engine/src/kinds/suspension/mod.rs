@@ -22,7 +22,7 @@ use sagnac_theory::vibration::{Response, Suspension};
 pub(crate) struct SuspensionStudy {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What all points have in common.
+    /// The inputs that all points have in common.
     base: Point,
 }
 

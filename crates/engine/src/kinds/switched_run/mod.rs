@@ -83,7 +83,7 @@ pub struct SwitchedRun {
     pub trajectories: u64,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What all points have in common.
+    /// The inputs that all points have in common.
     pub base: point::Base,
 }
 
