@@ -107,7 +107,8 @@ impl File {
     ///
     /// # Example
     /// ```
-    /// # use sagnac::{chart::Source, described::File, kinds::gap_fill::GAP_FILL};
+    /// # use sagnac::described::File;
+    /// # use sagnac_engine::{chart::Source, kinds::gap_fill::GAP_FILL};
     /// let points = File::of_study(&GAP_FILL, Source::Points).unwrap();
     /// assert!(points.column("rms_arcsec").unwrap().starts_with("Root mean square"));
     /// assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));

@@ -22,9 +22,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683 \
                  --intervals stable32";
     let ended = done(&desk, words);
-    for piece in
-        ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "Curve minimum"]
-    {
+    for piece in ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "Curve minimum"] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let curve_rows = curve(&desk, "results/PHASE");
