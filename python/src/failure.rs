@@ -142,6 +142,7 @@ impl From<LogError> for Failure {
             LogError::Limit(error) | LogError::RatioLimit(error) => error.into(),
             LogError::Model(ModelError::Noise(error)) => Failure::Study(error),
             LogError::Tau(_) | LogError::Dynamic(_) => Failure::Usage(message),
+            LogError::Batch(_) => Failure::Record(message),
             error if error.is_usage() => Failure::Usage(message),
             _ => Failure::Record(message),
         }
