@@ -70,6 +70,7 @@
 #![warn(unreachable_pub)]
 
 pub mod analysis;
+#[cfg(feature = "store")]
 pub mod check;
 pub mod described;
 pub mod outcome;
