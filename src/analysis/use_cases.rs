@@ -85,8 +85,8 @@ impl LogError {
     }
 }
 
-/// Number of simulated samples that take about a second.
-const LONG: usize = 300_000_000;
+/// Number of simulated samples that take some seconds, for which it pays to analyse a log twice.
+const LONG: usize = 4_000_000_000;
 
 /// The request for the analysis of a log: its noise and its spectra, and what is asked for beside them.
 #[derive(Debug, Clone)]
