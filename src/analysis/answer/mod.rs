@@ -473,7 +473,7 @@ impl<'t> Question<'t> {
         }
     }
 
-    /// Those of some rows that have a value.
+    /// The rows among `rows` whose estimate has a value.
     pub(super) fn known(&self, rows: &[usize]) -> Vec<usize> {
         rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect()
     }
