@@ -14,11 +14,11 @@ use sagnac::allan::deviation::{Deviation, Taus};
 use sagnac::analysis::log::{NoiseRequest, Suppose};
 use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::requirement::Limit;
-use sagnac::analysis::use_cases::{self, AllanRequest};
 use sagnac::progress::Silent;
 use sagnac::record::log::Log;
 use sagnac::record::log::measure::Data;
 use sagnac::report::page::FILE as REPORT;
+use sagnac::use_cases::{self, AllanRequest};
 use sagnac_base::quantity::{Dimension, Quantity, parse};
 use sagnac_engine::kinds::allan::run::MIN_REALIZATIONS;
 

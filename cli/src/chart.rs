@@ -7,6 +7,7 @@ use sagnac::run::RESOLVED;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::Column;
+use sagnac::tally::Share;
 use sagnac::view::picture::{incomplete, pictures, shown};
 use sagnac_engine::chart::{Chart, Named};
 use serde::Serialize;
@@ -17,7 +18,7 @@ use crate::failure::Failure;
 use crate::outcome::write_pictures;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
-use crate::results::{held, is_chart_stem, lacking, summary};
+use crate::results::{held, is_chart_stem, summary};
 use crate::run::checked;
 use crate::{folders, look};
 
@@ -137,7 +138,7 @@ pub fn redraw(
     let results = Folder::open(folder)?;
     let store = held(&results, &plan)?;
     let tables = plan.tables(&store, &Shown::new(progress.how(quiet)))?;
-    let lacking = lacking(&study, &plan, &store, &tables)?;
+    let lacking = plan.lacks(&store, Share::WHOLE)?;
     let drawn = pictures(&study, &tables, lacking)?;
     for drawn in &drawn {
         write_pictures(&results, name, &drawn.picture)?;

@@ -8,9 +8,9 @@ use crate::reading::Reading;
 use clap::Args;
 use sagnac::analysis::compare::logs::RatioLimit;
 use sagnac::analysis::requirement::{Limit, Limited};
-use sagnac::analysis::use_cases::{BatchRequest, CompareRequest, LogError, compare_logs, compare_units};
 use sagnac::record::log::Log;
 use sagnac::record::log::read::Request;
+use sagnac::use_cases::{BatchRequest, CompareRequest, LogError, compare_logs, compare_units};
 use sagnac_engine::key::docs::note;
 
 const EXAMPLES: &str = "\

@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::model::ModelError;
-use sagnac::analysis::use_cases::LogError;
 use sagnac::device::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::RecordError;
@@ -15,6 +14,7 @@ use sagnac::run::{RESOLVED, RunError};
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
 use sagnac::tally::Share;
+use sagnac::use_cases::LogError;
 use sagnac_base::diagnostics::{StudyError, spelled};
 
 use crate::look;

@@ -10,6 +10,7 @@ use sagnac::store::folder::Folder;
 use sagnac::store::source::{Merged, Source};
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac::use_cases::Sampled;
 use sagnac_base::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
 
 use crate::failure::Failure;
@@ -78,7 +79,8 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
     let (path, json, shown) = (&*options.out, options.sampling.json, options.sampling.printed);
-    let ran = Ran { study: &study, plan: &plan, folder: &results, path, done: None, lacking, json, shown };
+    let ran =
+        Ran { plan: &plan, folder: &results, path, sampled: Sampled { run: None, lacking }, json, shown };
     let progress = Shown::new(options.sampling.how());
     let complete = (lacking == 0).then(|| format!("complete; results are in {}", path.display()));
     print_documents(ran.show(&store, &progress, complete)?.as_slice(), 1)?;

@@ -7,7 +7,7 @@ use clap::builder::TypedValueParser;
 use sagnac::analysis::model::search::MAX_STATES;
 use sagnac::analysis::model::writers::{Writer, named};
 use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
-use sagnac::analysis::use_cases::{ModelSource, model_noise};
+use sagnac::use_cases::{ModelSource, model_noise};
 use sagnac_base::quantity::{Dimension, parse};
 
 use crate::allan::probability;

@@ -4,13 +4,14 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::page::{Results, add_sampled_facts};
 use sagnac::report::page::html::gallery;
 use sagnac::report::page::{Card, FILE as REPORT, MARKS};
-use sagnac::run::{Plan, RESOLVED, complete};
+use sagnac::run::{Plan, RESOLVED, Tables, complete};
 use sagnac::store::CARD;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
+use sagnac::tally::Share;
+use sagnac::use_cases::{Sampled, study_outcome};
 use sagnac::view::picture::incomplete;
 use sagnac_base::text_file::read_bytes;
 
@@ -19,7 +20,7 @@ use crate::failure::{Failure, in_options};
 use crate::folders::{self, left_out, whole};
 use crate::output::unwritten;
 use crate::progress::{self, Shown};
-use crate::results::{held, lacking};
+use crate::results::held;
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
@@ -137,19 +138,15 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let store = held(&results_folder, &plan)?;
     complete(&study, &results_folder)?;
     let progress = Shown::new(options.progress.how(options.quiet));
-    let tables = plan.tables(&store, &progress)?;
-    let lacking = lacking(&study, &plan, &store, &tables)?;
+    let lacking = plan.lacks(&store, Share::WHOLE)?;
     if let Some(sentence) = incomplete(lacking) {
         note!("{}: {sentence}", folder.display());
     }
-    let results = Results::new(&plan, &store, &tables, lacking, &[])?;
-    let is_partial = results.is_partial;
-    let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&folder.join(REPORT)))?;
-    let mut page = results.page(&digest);
-    page.tables = tables.into_files(&study.charts);
-    if is_partial {
-        add_sampled_facts(&study, &mut page, &progress)?;
-    }
+    let digest =
+        |tables: &Tables| tables.points.write_csv(io::sink()).map_err(unwritten(&folder.join(REPORT)));
+    let mut results = study_outcome(&plan, &store, &Sampled { run: None, lacking }, digest, &progress)?;
+    results.complete(&progress)?;
+    let page = results.outcome.page;
     progress.clear();
     let spell = |text: &str| in_options(&text);
     results_folder.write(REPORT, page.html(&spell).as_bytes())?;

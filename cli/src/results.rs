@@ -1,26 +1,21 @@
 //! The results of a study as files of its folder, as text and as JSON.
 
-use std::panic::resume_unwind;
 use std::path::Path;
-use std::thread;
 
 use crate::failure::Failure;
 use crate::look;
 use crate::outcome::{LINES_OF_FACTS, save_page, save_text, show, show_facts, show_result, spell};
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
-use sagnac::analysis::page::{PARTIAL, Results, add_sampled_facts};
-use sagnac::outcome::Outcome;
 use sagnac::report::chart::notes::ChartError;
-use sagnac::report::page::document::Provenance;
-use sagnac::run::{Plan, RESOLVED, RunStats, Tables};
+use sagnac::run::{Plan, RESOLVED, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
-use sagnac::tally::Share;
-use sagnac::view::picture::{file_names, refused, written};
+use sagnac::use_cases::{Sampled, study_outcome};
+use sagnac::view::picture::{file_names, refused, shown as curves, written};
 use sagnac::view::stack::Shown as Curves;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::chart::{Chart, Source};
@@ -51,20 +46,6 @@ pub fn held(folder: &Folder, plan: &Plan) -> Result<Store, Failure> {
     Ok(store::Source::open_in(folder)?.into_store(&plan.identity())?)
 }
 
-/// Number of trials that existing results lack. If rows of all requested trials exist, this is known to be 0 without
-/// another look into the store.
-///
-/// # Errors
-/// A row of the store is damaged, or the disk fails.
-pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Result<u64, Failure> {
-    let trials = tables.points.of_role(Role::Trials);
-    let has_all = |cell: &Cell| cell.number().is_some_and(|trials| trials >= study.trials as f64);
-    match trials {
-        Some(trials) if study.precision.is_none() && trials.cells.iter().all(has_all) => Ok(0),
-        _ => Ok(plan.lacks(store, Share::WHOLE)?),
-    }
-}
-
 /// Whether [`chart_stem`](sagnac::view::picture::chart_stem) gives this name to a chart.
 pub fn is_chart_stem(stem: &str) -> bool {
     let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
@@ -78,17 +59,16 @@ fn write_tables(folder: &Folder, tables: &Tables) -> Result<String, Failure> {
     Ok(digests.into_iter().next().unwrap_or_default())
 }
 
+/// The note of a page that is there before it is complete.
+const PARTIAL: &str = "the error budget and the change that helps most are still being computed; the page is written again with them";
+
 /// A study with results to show.
 pub struct Ran<'a> {
-    pub study: &'a Study,
     pub plan: &'a Plan<'a>,
     pub folder: &'a Folder,
     /// The path of the folder.
     pub path: &'a Path,
-    /// The work done, and the device, if anything can be sampled.
-    pub done: Option<(&'a RunStats, String)>,
-    /// Number of missing trials.
-    pub lacking: u64,
+    pub sampled: Sampled,
     /// Whether results are returned as JSON instead of printed.
     pub json: bool,
     /// The parts of the results that are printed.
@@ -107,61 +87,45 @@ impl Ran<'_> {
         progress: &Shown,
         place: Option<String>,
     ) -> Result<Option<String>, Failure> {
-        let Ran { study, plan, folder, done, lacking, shown, .. } = self;
-        let tables = plan.tables(store, progress)?;
-        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        // Long tables take as long to write as everything else that is made of them. They have a thread of their own, because the
-        // others wait for what they share among threads.
-        let (mut outcome, is_partial) = thread::scope(|scope| {
-            let written = scope.spawn(|| write_tables(folder, &tables));
-            let results = Results::new(plan, store, &tables, *lacking, degraded)?;
-            let resolved = (RESOLVED.to_owned(), results.resolved().into_bytes());
-            let details = if shown.table { summary(study, &tables, &results.curves)? } else { String::new() };
-            let is_partial = results.is_partial;
-            let page = results.page(&written.join().unwrap_or_else(|panic| resume_unwind(panic))?);
-            let outcome = Outcome::new(format!("{} · {}", page.title, page.scope), page);
-            let (files, provenance) = (vec![resolved], self.provenance());
-            Ok::<_, Failure>((Outcome { details, provenance, files, ..outcome }, is_partial))
-        })?;
-        outcome.page.tables = tables.into_files(&study.charts);
+        let Ran { plan, folder, sampled, shown, .. } = self;
+        let study = plan.study();
+        let mut details = String::new();
+        let write = |tables: &Tables| {
+            if shown.table {
+                details = summary(study, tables, &curves(study, tables)?)?;
+            }
+            write_tables(folder, tables)
+        };
+        let mut results = study_outcome(plan, store, sampled, write, progress)?;
+        results.outcome.details = details;
         let pictures = folder.listed().into_iter().filter_map(|name| {
             let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png"))?;
             is_chart_stem(stem).then(|| stem.to_owned())
         });
-        outcome.names = pictures.collect();
+        results.outcome.names = pictures.collect();
+        let is_partial = results.is_partial;
         if is_partial {
-            outcome.page.notes.insert(0, PARTIAL.to_owned());
+            results.outcome.page.notes.insert(0, PARTIAL.to_owned());
         }
-        save_page(&outcome, folder)?;
+        save_page(&results.outcome, folder)?;
         progress.clear();
-        let is_shown = !(self.json || shown.quiet && *lacking > 0);
+        let is_shown = !(self.json || shown.quiet && sampled.lacking > 0);
         if is_partial {
-            outcome.page.notes.remove(0);
+            results.outcome.page.notes.remove(0);
             if is_shown {
-                show_result(&outcome, shown, LINES_OF_FACTS)?;
+                show_result(&results.outcome, shown, LINES_OF_FACTS)?;
             }
-            add_sampled_facts(study, &mut outcome.page, progress)?;
-            save_text(&outcome, folder)?;
+            results.complete(progress)?;
+            save_text(&results.outcome, folder)?;
             progress.clear();
         }
+        let outcome = results.outcome;
         match is_shown {
             true if is_partial => show_facts(&outcome, place.as_slice(), shown, self.path)?,
             true => show(&outcome, place.as_slice(), shown, self.path)?,
             false => shown.open_page(self.path),
         }
         Ok(self.json.then(|| outcome.json(&spell)))
-    }
-
-    /// How the results were sampled, if they were.
-    fn provenance(&self) -> Option<Provenance> {
-        let done = self.done.as_ref();
-        self.plan.is_sampled().then(|| Provenance {
-            device: done.map(|(_, device)| device.clone()),
-            sampled_trials: done.map(|(done, _)| done.trials),
-            seconds: done.map(|(done, _)| done.seconds),
-            missing_trials: self.lacking,
-            ..Provenance::new(self.study.seed, self.study.trials)
-        })
     }
 }
 

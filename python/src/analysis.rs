@@ -14,15 +14,15 @@ use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
 use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::analysis::sensitivity::{SensitivityError, SensitivityRequest, sensitivity as decide};
-use sagnac::analysis::use_cases::{
-    self, AllanRequest, BatchRequest, CompareRequest, ModelSource, Segments, compare_logs, compare_units,
-    model_noise,
-};
 use sagnac::fit::selection::Fitting;
 use sagnac::outcome::Outcome;
 use sagnac::progress::Silent;
 use sagnac::report::chart::Picture;
 use sagnac::run::RunError;
+use sagnac::use_cases::{
+    self, AllanRequest, BatchRequest, CompareRequest, ModelSource, Segments, compare_logs, compare_units,
+    model_noise,
+};
 use sagnac::verify::select;
 use sagnac_base::quantity::Dimension;
 

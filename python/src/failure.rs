@@ -7,12 +7,12 @@ use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
-use sagnac::analysis::use_cases::LogError;
 use sagnac::device::select::SelectError;
 use sagnac::record::RecordError as Unreadable;
 use sagnac::run::RunError;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
+use sagnac::use_cases::LogError;
 use sagnac_base::diagnostics::{StudyError as Refused, spelled, visible};
 
 import_exception!(sagnac.errors, DeviceError);

@@ -8,12 +8,12 @@ use pyo3::prelude::*;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::Temperature;
 use sagnac::analysis::temperature::regressors::Effects;
-use sagnac::analysis::use_cases::LogError;
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::measure::{Data, Unit, UnitCheck};
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use sagnac::record::log::{Channel, Log as Read, Thermometer};
+use sagnac::use_cases::LogError;
 
 use super::argument::word;
 use super::compute::{compute_on, read_on};

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::page::{Results, add_sampled_facts};
 use sagnac::device::select::Selection;
+use sagnac::outcome::Outcome;
 use sagnac::report::answer::Answer;
 use sagnac::report::page::{FILE as REPORT, Page};
-use sagnac::run::{Plan, RESOLVED, RunStats, keep};
+use sagnac::run::{Plan, RunStats, Tables, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
+use sagnac::table::Table;
 use sagnac::tally::Share;
+use sagnac::use_cases::{Sampled, study_outcome};
 use sagnac::verify::select;
 use sagnac::view::picture::pictures;
 use sagnac_engine::chart::Source;
@@ -135,31 +137,27 @@ impl Asked {
         }
         let raised = || listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)));
         raised()?;
-        let tables = plan.tables(&store, listener)?;
-        raised()?;
-        let mut digest = String::new();
-        for (source, table) in tables.all().filter(|(source, _)| self.is_kept || *source == Source::Points) {
-            let name = source.file();
-            let written = match &kept {
-                Some(folder) => folder.write_by(name, |file| table.write_csv(file).map(drop))?,
-                None => table.write_csv(std::io::sink()).unwrap_or_default(),
+        let write = |tables: &Tables| {
+            let Some(folder) = &kept else {
+                return Ok(tables.points.write_csv(std::io::sink()).unwrap_or_default());
             };
-            if source == Source::Points {
-                digest = written;
-            }
-        }
-        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
+            let write = |(source, table): (Source, &Table)| {
+                folder.write_by(source.file(), |file| table.write_csv(file).map(drop))
+            };
+            let digests = tables.all().map(write).collect::<Result<Vec<_>, _>>()?;
+            Ok::<_, Failure>(digests.into_iter().next().unwrap_or_default())
+        };
         // A run that ended early has raised an exception before.
-        let results = Results::new(&plan, &store, &tables, 0, degraded)?;
-        let (resolved, is_partial) = (results.resolved(), results.is_partial);
-        let mut page = results.page(&digest);
-        page.tables = tables.into_files(&study.charts);
-        if is_partial {
-            add_sampled_facts(&study, &mut page, listener)?;
-            raised()?;
-        }
+        let mut results =
+            study_outcome(&plan, &store, &Sampled { run: done.clone(), lacking: 0 }, write, listener)?;
+        raised()?;
+        results.complete(listener)?;
+        raised()?;
+        let Outcome { page, files, .. } = results.outcome;
         if let Some(folder) = &kept {
-            folder.write(RESOLVED, resolved.as_bytes())?;
+            for (name, contents) in &files {
+                folder.write(name, contents)?;
+            }
             folder.write(REPORT, page.html(&|text: &str| in_python(text)).as_bytes())?;
             folder.commit()?;
         }

@@ -21,4 +21,3 @@ pub mod requirement;
 pub mod sensitivity;
 pub mod spectrum;
 pub mod temperature;
-pub mod use_cases;

@@ -12,6 +12,7 @@ use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::Share;
+use sagnac::use_cases::Sampled;
 use sagnac::view::picture::pictures;
 use sagnac_base::quantity::number::{short, significant};
 use sagnac_base::quantity::{Dimension, parse as parse_quantity};
@@ -256,12 +257,10 @@ fn run_study(
         return Ok(None);
     }
     let ran = Ran {
-        study,
         plan,
         folder: &results,
         path: folder,
-        done: done.as_ref().zip(name),
-        lacking: 0,
+        sampled: Sampled { run: done.clone().zip(name), lacking: 0 },
         json: options.sampling.json,
         shown: options.sampling.printed,
     };

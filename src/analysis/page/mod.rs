@@ -26,7 +26,7 @@ pub use crate::analysis::page::design::of_filler;
 pub use crate::analysis::page::design::of_sensitivity;
 pub use crate::analysis::page::log::{of_dynamic, of_log, of_navigators, of_temperature};
 pub use crate::analysis::page::model::of_model;
-pub use crate::analysis::page::study::{PARTIAL, Results, add_sampled_facts};
+pub(crate) use crate::analysis::page::study::Results;
 
 use crate::analysis::log::{Column, events};
 use crate::view::picture::Drawn;

@@ -1,19 +1,17 @@
 //! The page of a study.
 
 use crate::analysis::agreement;
-use crate::analysis::answer::{facts, of_study};
-use crate::analysis::decision::{DecisionError, decide, judge};
+use crate::analysis::answer::of_study;
+use crate::analysis::decision::{DecisionError, judge};
 use crate::analysis::page::study_file;
 use crate::view::picture::{Drawn, incomplete, pictures, shown};
-use crate::view::stack::Shown;
-use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::{short, significant};
 use sagnac_base::table::text::hexadecimal;
 use sagnac_base::table::{Cell, Role, Table};
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::error::StoreError;
 use sagnac_engine::store::{Provenance, Store};
-use sagnac_engine::study::{Input, Study};
+use sagnac_engine::study::Input;
 use sagnac_report::answer::Answer;
 use sagnac_report::page::{Block, Page, Section};
 use sha2::{Digest, Sha256};
@@ -22,7 +20,7 @@ use sha2::{Digest, Sha256};
 const MAX_BYTES: usize = 16 << 10;
 
 /// The results of a study that a store holds, with their answer.
-pub struct Results<'a> {
+pub(crate) struct Results<'a> {
     plan: &'a Plan<'a>,
     tables: &'a Tables,
     lacking: u64,
@@ -31,23 +29,18 @@ pub struct Results<'a> {
     provenance: Vec<Provenance>,
     notes: Vec<String>,
     charts: Vec<Drawn>,
-    /// The part of a table that each chart shows.
-    pub curves: Vec<Shown<'a>>,
     answer: Answer,
-    /// Whether facts of the answer have to be sampled, which [`add_sampled_facts`] does.
-    pub is_partial: bool,
+    /// Whether facts of the answer have to be sampled, which [`StudyOutcome::complete`](crate::use_cases::StudyOutcome::complete) does.
+    pub(crate) is_partial: bool,
 }
-
-/// The note of a page that is there before it is complete.
-pub const PARTIAL: &str = "the error budget and the change that helps most are still being computed; the page is written again with them";
 
 impl<'a> Results<'a> {
     /// The results from `tables`, which the plan made from the store, and which lack so many trials. `degraded` lists the
-    /// deviations of a run from the requested execution. Facts that have to be sampled are left to [`add_sampled_facts`].
+    /// deviations of a run from the requested execution. Facts that have to be sampled are left out.
     ///
     /// # Errors
     /// The table lacks something that a chart requires, a row of the store is damaged, or the disk fails.
-    pub fn new(
+    pub(crate) fn new(
         plan: &'a Plan,
         store: &Store,
         tables: &'a Tables,
@@ -75,17 +68,17 @@ impl<'a> Results<'a> {
         let sheet = if lacking > 0 { None } else { judge(study, tables)? };
         let answer = of_study(study, tables, &mut charts, &curves, lacking, sheet.as_ref())?;
         let is_partial = sheet.is_some_and(|sheet| sheet.is_partial);
-        Ok(Results { plan, tables, lacking, held, provenance, notes, charts, curves, answer, is_partial })
+        Ok(Results { plan, tables, lacking, held, provenance, notes, charts, answer, is_partial })
     }
 
     /// The study that repeats the run.
-    pub fn resolved(&self) -> String {
+    pub(crate) fn resolved(&self) -> String {
         self.plan.study().resolved(self.held)
     }
 
     /// The page without its tables, which [`Tables::into_files`] names. `digest` is the SHA-256 of the points that
     /// [`Table::write_csv`] returned.
-    pub fn page(self, digest: &str) -> Page {
+    pub(crate) fn page(self, digest: &str) -> Page {
         let study = self.plan.study();
         let made = Section::new("source", "How it was made", self.made(digest));
         let mut charts = self.charts;
@@ -158,23 +151,6 @@ impl<'a> Results<'a> {
         ];
         blocks.into_iter().chain(inputs.into_iter().map(input)).collect()
     }
-}
-
-/// Adds the facts that have to be sampled to the answer on the page of a study, which has its tables: the error budget, and the
-/// change of an input that helps most. `progress` receives the evaluations.
-///
-/// # Errors
-/// A point cannot be evaluated again, or no threads can be started.
-pub fn add_sampled_facts(
-    study: &Study,
-    page: &mut Page,
-    progress: &dyn Progress,
-) -> Result<(), DecisionError> {
-    let tables = Tables::from_files(std::mem::take(&mut page.tables));
-    let sheet = decide(study, &tables, progress)?;
-    page.answer.facts = facts(study, &tables, sheet.as_ref(), &page.answer);
-    page.tables = tables.into_files(&study.charts);
-    Ok(())
 }
 
 /// A file that a study names; of a long one its digest.
