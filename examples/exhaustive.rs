@@ -52,7 +52,7 @@ struct Magnitudes {
 }
 
 impl Magnitudes {
-    fn of(z: &[u32]) -> Magnitudes {
+    fn new(z: &[u32]) -> Magnitudes {
         let mut sums = Magnitudes::default();
         for &z in z {
             sums.square += u128::from(u64::from(z) * u64::from(z));
@@ -94,7 +94,7 @@ fn gaussian(width: Width) {
         .map(|piece| {
             let mut words = words(piece);
             let mut z = evaluated(normal::FORM, width, &words);
-            let mut sums = Magnitudes::of(&z);
+            let mut sums = Magnitudes::new(&z);
             // Includes the step to the next piece, except after the last word.
             let next = (piece + 1) * PIECE;
             if next < 1 << 31 {

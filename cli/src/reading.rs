@@ -205,7 +205,7 @@ impl Reading {
             .collect::<Result<Vec<Unit>, _>>()
             .map_err(|wrong| self.refused_unit(&wrong))?;
         let step_s = rate.map(|rate| step(rate)).transpose()?;
-        let timing = Timing::of(step_s, self.time.clone(), self.time_unit.clone())
+        let timing = Timing::new(step_s, self.time.clone(), self.time_unit.clone())
             .map_err(|message| Failure::Usage(in_options(&message)))?;
         let (decimal, duplicates, binary) = (self.decimal, self.duplicates, self.binary.clone());
         let hints = Hints { decimal, duplicates, binary };

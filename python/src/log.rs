@@ -97,7 +97,7 @@ impl Wanted {
         let data = kind.unwrap_or(Data::Rate);
         let units = self.units.iter().map(|unit| unit_of(unit, data)).collect::<Result<Vec<_>, _>>()?;
         let usage = |message: &str| Failure::Usage(in_python(message));
-        let timing = Timing::of(self.step_s, self.time.clone(), self.time_unit.clone())
+        let timing = Timing::new(self.step_s, self.time.clone(), self.time_unit.clone())
             .map_err(|message| usage(&message))?;
         let duplicates =
             [("first", Duplicates::First), ("last", Duplicates::Last), ("keep", Duplicates::Keep)];

@@ -192,7 +192,7 @@ impl Reading {
                     let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
                     let doubt = samples.doubt().filter(|_| self.unit_check);
                     let doubt = doubt.map(|doubt| warning(doubt, &unit));
-                    Ok(Record { doubt, ..Record::of(&samples, self.treatment()) })
+                    Ok(Record { doubt, ..Record::new(&samples, self.treatment()) })
                 })
             }
             Given::Log(log) => {
@@ -202,7 +202,7 @@ impl Reading {
                     let treatment = self.treatment().of(log);
                     let (thermometers, temperatures) = temperatures(log);
                     let notes = log.notes.iter().map(|note| in_python(note)).collect();
-                    let record = Record::of(&channel.view(log.data, log.step_s), treatment);
+                    let record = Record::new(&channel.view(log.data, log.step_s), treatment);
                     Ok(Record { thermometers, temperatures, notes, ..record })
                 })
             }
@@ -211,7 +211,7 @@ impl Reading {
 }
 
 impl Record {
-    fn of(samples: &Samples, treatment: Treatment) -> Record {
+    fn new(samples: &Samples, treatment: Treatment) -> Record {
         let (angles, outliers) = treatment.angles(samples, &[]);
         Record {
             doubt: None,
@@ -428,7 +428,7 @@ pub fn fit<'py>(
         // Terms that are asked for are fitted to the record as it is.
         let keeps_events = matches!(fitting.terms, Terms::Given(_));
         let events = if keeps_events { events.kept(&record.angles) } else { events };
-        let sheet = DataSheet::of(&events, &fitting, record.unit, simulated)
+        let sheet = DataSheet::new(&events, &fitting, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&events.without)
             .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;

@@ -62,7 +62,7 @@ pub struct DataSheet {
 }
 
 /// The source of the 95 % intervals of coefficients: simulated records of the fit, or the closed form. It is both what
-/// [`DataSheet::of`] is asked for and what a data sheet has, which differ where the fit cannot be simulated.
+/// [`DataSheet::new`] is asked for and what a data sheet has, which differ where the fit cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Intervals {
     /// Number of simulated records; 0 means intervals in closed form.
@@ -123,12 +123,12 @@ impl DataSheet {
     /// let rates: Vec<f64> = (0_u64..4096).map(|i| (i * i * 48_271 % 65_537) as f64 / 65_537.0).collect();
     /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
     /// let closed = Intervals { records: 0, without: None };
-    /// let events = Events::of(&angles, &Outliers::default(), &[]);
-    /// let sheet = DataSheet::of(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
+    /// let events = Events::new(&angles, &Outliers::default(), &[]);
+    /// let sheet = DataSheet::new(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "estimated"));
     /// # Ok::<(), String>(())
     /// ```
-    pub fn of(
+    pub fn new(
         events: &Events,
         asked: &Fitting,
         unit: Unit,
@@ -202,7 +202,7 @@ const PART: f64 = 0.5;
 pub(crate) fn is_hump(events: &Events, fit: &Fit) -> bool {
     let angles: &Angles = &events.without;
     let lacks = || {
-        let density = Density::of(angles, &Welch::default()).ok()?;
+        let density = Density::new(angles, &Welch::default()).ok()?;
         let places = density.segment / 3..density.segment.div_ceil(2) - 1;
         let points = &density.points[places.clone()];
         let expected = |is_meant: fn(&Part) -> bool| {

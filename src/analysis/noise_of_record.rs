@@ -49,7 +49,7 @@ impl Noise<'_> {
         if let (Some(density), None, true) = (&events.density, asked.from_s, is_chosen && is_whole)
             && contradicts(density, &described.fit)
         {
-            shown.push(Event::of(What::Filter));
+            shown.push(Event::new(What::Filter));
             if described.fit.tau_range[0] <= 1.01 * events.without.step_s {
                 let agrees = |fit: &Fit| !contradicts_range(density, fit);
                 described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);
@@ -78,7 +78,7 @@ impl Noise<'_> {
                 // The coefficient of Markov noise is that of the noise that drives it.
                 size: part.map(|part| part.size * libm::sqrt(0.5 * part.shape)),
                 time_s: part.map(|part| part.shape).or(time_s),
-                ..Event::of(What::Correlated)
+                ..Event::new(What::Correlated)
             });
         }
         described = other.unwrap_or(described);

@@ -22,7 +22,7 @@ pub(crate) struct Notches {
 impl Notches {
     /// The notches of curves of `y` over `x`, each with its rows by rising x. There are none over other abscissas than the
     /// averaging time.
-    pub(crate) fn of<'r>(x: &Column, y: &Column, curves: impl Iterator<Item = &'r [usize]>) -> Notches {
+    pub(crate) fn new<'r>(x: &Column, y: &Column, curves: impl Iterator<Item = &'r [usize]>) -> Notches {
         if x.usual != Some(Usual::Abscissa) {
             return Notches::default();
         }
@@ -65,7 +65,7 @@ mod tests {
         let x = column(curves.iter().flat_map(|_| (0..N).map(|at| f64::from(1 << at))).collect());
         let rows: Vec<Vec<usize>> =
             (0..curves.len()).map(|curve| (curve * N..(curve + 1) * N).collect()).collect();
-        Notches::of(&x, &column(curves.concat()), rows.iter().map(Vec::as_slice)).places
+        Notches::new(&x, &column(curves.concat()), rows.iter().map(Vec::as_slice)).places
     }
 
     #[test]

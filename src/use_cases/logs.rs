@@ -231,7 +231,7 @@ pub fn allan(
         thermal = Some((found, other));
     }
     noise.note_equal(earlier);
-    let dynamic = request.window_s.map(|window_s| Dynamic::of(log, treatment, window_s)).transpose()?;
+    let dynamic = request.window_s.map(|window_s| Dynamic::new(log, treatment, window_s)).transpose()?;
     let (densities, without) = request.densities(log)?;
     let analysis = spectrum::Analysis::of(noise, densities);
     let noise = &analysis.noise;
@@ -341,7 +341,7 @@ impl BatchRequest {
 /// # Errors
 /// They are no batch.
 pub fn compare_units(logs: Vec<log::Analysis>, request: &BatchRequest) -> Result<Outcome, LogError> {
-    let batch = Batch::of(logs)?;
+    let batch = Batch::new(logs)?;
     let decision = batch.decision(&request.limits);
     let logs = match batch.logs.len() {
         1 => "a log".to_owned(),

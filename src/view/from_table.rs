@@ -15,7 +15,7 @@ use sagnac_report::chart::palette::styles;
 /// A limit or a law has another unit than y; a column is missing, holds text instead of numbers, or has no row with
 /// a selected value; or a curve runs through rows that belong to several curves.
 pub fn figure(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
-    let Shown { table, estimate, series } = Shown::of(table, chart)?;
+    let Shown { table, estimate, series } = Shown::new(table, chart)?;
     let filter = chart.filter();
     let (rows, chosen) = (table.rows_where(&filter)?, table.chosen(&filter)?);
     let table: &Table = &table.read();

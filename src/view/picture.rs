@@ -8,7 +8,7 @@ use sagnac_base::quantity::number::short;
 use sagnac_base::quantity::{Dimension, bare};
 use sagnac_base::table::{Cell, ColumnError};
 use sagnac_engine::chart::{Chart, Named, Shows, Source};
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::{explain_key, explained_keys};
 use sagnac_engine::run::{RESOLVED, Tables};
 use sagnac_engine::study::Study;
@@ -66,7 +66,7 @@ pub fn pictures(study: &Study, tables: &Tables, lacking: u64) -> Result<Vec<Draw
 /// # Errors
 /// The table lacks something that a chart requires.
 pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
-    let of = |chart: &Chart| Shown::of(tables.of(chart.source), chart);
+    let of = |chart: &Chart| Shown::new(tables.of(chart.source), chart);
     study.charts.iter().map(|chart| of(chart).map_err(|error| refused(study, chart, &error))).collect()
 }
 
@@ -158,7 +158,9 @@ fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str)
     let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
     let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
     let value = match shown {
-        Some(Swept::Quantity(quantity)) if quantity.dimension == Dimension::Count => quantity.to_string(),
+        Some(SweepValue::Quantity(quantity)) if quantity.dimension == Dimension::Count => {
+            quantity.to_string()
+        }
         Some(swept) => format!("\"{}\"", swept.to_string().replace(" ″", " arcsec").replace('″', " arcsec")),
         None => format!("\"{value}\""),
     };

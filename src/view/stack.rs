@@ -28,7 +28,7 @@ impl<'t> Shown<'t> {
     ///
     /// # Errors
     /// A column to be stacked is missing, is listed twice or has another unit.
-    pub fn of(table: &'t Table, chart: &Chart) -> Result<Shown<'t>, ChartError> {
+    pub fn new(table: &'t Table, chart: &Chart) -> Result<Shown<'t>, ChartError> {
         let series = chart.series().iter().map(|column| column.name.clone());
         let estimate = chart.estimate().name.clone();
         if chart.beside.is_empty() {

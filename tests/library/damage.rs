@@ -66,7 +66,7 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    fn of<'a>(study: &'a Study, device: &mut Device) -> Case<'a> {
+    fn new<'a>(study: &'a Study, device: &mut Device) -> Case<'a> {
         let plan = Plan::new(study).unwrap();
         let tables = finished(&plan, folder().path(), device).unwrap();
         Case { plan, tables, left: Left::by(study, device) }
@@ -150,7 +150,7 @@ fn cut_and_altered_files_are_recovered_or_refused_and_never_give_a_wrong_number(
     let mut device = cpu(1);
     for (text, trials) in [(MOMENTS, 1000), (ROWS, 60)] {
         let study = study(text, trials, 1);
-        let case = Case::of(&study, &mut device);
+        let case = Case::new(&study, &mut device);
         assert_eq!(case.refused(&case.left, &mut device, "as it was left"), None);
         for (what, change) in CHANGES {
             let mut random = SmallRng::seed_from_u64(trials);
@@ -177,9 +177,9 @@ fn cut_and_altered_files_are_recovered_or_refused_and_never_give_a_wrong_number(
 fn empty_missing_and_foreign_files_are_recovered_or_refused() {
     let mut device = cpu(1);
     let (study, other) = (study(MOMENTS, 1000, 1), study(MOMENTS, 1000, 2));
-    let (case, other) = (Case::of(&study, &mut device), Case::of(&other, &mut device));
+    let (case, other) = (Case::new(&study, &mut device), Case::new(&other, &mut device));
     let Left { database, journal } = case.left.clone();
-    let rows = Case::of(&crate::stores::study(ROWS, 60, 1), &mut device).left;
+    let rows = Case::new(&crate::stores::study(ROWS, 60, 1), &mut device).left;
     let shares = [(1, 2), (2, 2)]
         .map(|(number, of)| Left::of_share(&study, Share::new(number, of).unwrap(), &mut device));
     let mut refused = |database: &[u8], journal: &[u8], what: &str| {
@@ -242,7 +242,7 @@ fn empty_missing_and_foreign_files_are_recovered_or_refused() {
 fn a_database_that_is_cut_short_is_saved_up_to_the_cut() {
     let mut device = cpu(1);
     let study = study(MOMENTS, 1000, 1);
-    let case = Case::of(&study, &mut device);
+    let case = Case::new(&study, &mut device);
     let folder = folder();
     assert!(finished(&case.plan, folder.path(), &mut device).unwrap() == case.tables);
     let whole = std::fs::read(folder.path().join(FILE)).unwrap();

@@ -25,9 +25,9 @@ fn white(seed: u64) -> Vec<f64> {
 /// The events and the coefficients of rates of N = 1 with something else, one a second.
 fn found(rates: &[f64], temperatures: &[Vec<f64>]) -> (Vec<Event>, DataSheet) {
     let angles = Angles::from_increments(rates, 1.0, 1.0, Trend::None);
-    let events = Events::of(&angles, &outliers(rates), temperatures);
+    let events = Events::new(&angles, &outliers(rates), temperatures);
     let closed = Intervals { records: 0, without: None };
-    let sheet = DataSheet::of(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).unwrap();
+    let sheet = DataSheet::new(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).unwrap();
     (events.list.iter().chain(&sheet.events).cloned().collect(), sheet)
 }
 

@@ -19,8 +19,8 @@ const SAMPLES: usize = 1 << 15;
 fn sheet(rates: &[f64]) -> DataSheet {
     let angles = Angles::from_increments(rates, 1.0, 1.0, Trend::None);
     let closed = Intervals { records: 0, without: None };
-    DataSheet::of(
-        &Events::of(&angles, &Outliers::default(), &[]),
+    DataSheet::new(
+        &Events::new(&angles, &Outliers::default(), &[]),
         &Terms::of_model(Trend::None).into(),
         Unit::Angular,
         closed,

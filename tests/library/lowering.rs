@@ -28,7 +28,7 @@ fn keys(key: [u32; 2]) -> Keys {
 /// The errors of a trial in 128 bits, from the parameters and the draws, with no step that could wrap.
 fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
     let shape: Shape = launch.shape().expect("of gap filling");
-    let p = Parameters::of(launch.words(), shape);
+    let p = Parameters::new(launch.words(), shape);
     let signed = |word: u32| i128::from(word as i32);
     let address =
         Address { low: Scalar(trial as u32), high: (trial >> 32) as u32, keys: keys([p.key[0], p.key[1]]) };

@@ -24,7 +24,7 @@ struct Model {
 }
 
 impl Model {
-    fn of(parts: &[Part]) -> Model {
+    fn new(parts: &[Part]) -> Model {
         Model {
             process: Process { sample_s: 0.01, parts: parts.to_vec() },
             readout_lsb: 0.0,
@@ -133,7 +133,7 @@ fn every_noise_has_its_slope_and_its_theory() {
         ("rate random walk", Part::rate_random_walk(1e-4), 0.5, [16, 1024]),
     ];
     for (name, part, law, [from, to]) in references {
-        let model = Model { ms: octaves(2048, 2), ..Model::of(&[part]) };
+        let model = Model { ms: octaves(2048, 2), ..Model::new(&[part]) };
         let records = model.lowered();
         let sampled = sampled(&records, 4096);
         let z = compare(name, &records, &sampled);
@@ -154,7 +154,7 @@ fn what_is_the_same_in_all_records_is_exact() {
         [vec![ramp], vec![warm_ups[0]], vec![warm_ups[1]], vec![warm_ups[2]], vec![ramp, warm_ups[0]]];
     for parts in tables {
         for estimator in [THINNED, Estimator::NON_OVERLAPPING, Estimator::OVERLAPPING] {
-            let model = Model { estimator, ..Model::of(&parts) };
+            let model = Model { estimator, ..Model::new(&parts) };
             let records = model.lowered();
             for (at, found) in sampled(&records, 2).into_iter().enumerate() {
                 let (m, theory) = (model.ms[at], records.theory(at));
@@ -172,7 +172,7 @@ fn what_is_the_same_in_all_records_is_exact() {
             }
         }
     }
-    let records = Model { ms: vec![64, 128, 256, 512, 1024, 2048], ..Model::of(&[ramp]) }.lowered();
+    let records = Model { ms: vec![64, 128, 256, 512, 1024, 2048], ..Model::new(&[ramp]) }.lowered();
     let (slope, _) = slope(&records, &sampled(&records, 2), 64, 2048);
     assert!((slope - 1.0).abs() < 1e-6, "ramp: slope {slope}");
 }
@@ -207,7 +207,7 @@ fn markov_noise_sines_and_readouts_have_their_theories() {
                 if name.starts_with("Markov, long") { 512 } else { 2048 },
                 estimator.difference.spans(),
             );
-            let model = Model { readout_lsb, mean_rate, estimator, ms, ..Model::of(&parts) };
+            let model = Model { readout_lsb, mean_rate, estimator, ms, ..Model::new(&parts) };
             let records = model.lowered();
             let z = compare(name, &records, &sampled(&records, 4096));
             if readout_lsb == 0.0 {
@@ -230,7 +230,7 @@ fn gyros() -> [(&'static str, Vec<Part>); 2] {
 /// Records of nine hours at 1 Hz.
 fn nine_hours(parts: &[Part]) -> Model {
     let process = Process { sample_s: 1.0, parts: parts.to_vec() };
-    Model { process, samples: 32_400, ms: octaves(32_400, 2), ..Model::of(&[]) }
+    Model { process, samples: 32_400, ms: octaves(32_400, 2), ..Model::new(&[]) }
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn flicker_is_flat_to_half_a_percent_for_all_octaves_of_a_record() {
     let b = 0.00192;
     let parts = [Part::bias_instability(b, 24)];
     let ms: Vec<u64> = (0..=80).map(|eighth| (f64::from(eighth) / 4.0).exp2().round() as u64).collect();
-    let records = Model { samples: 1 << 21, ms: ms.clone(), ..Model::of(&parts) }.lowered();
+    let records = Model { samples: 1 << 21, ms: ms.clone(), ..Model::new(&parts) }.lowered();
     let off = |at: usize| records.theory(at).value.unwrap() / (FLAT_LEVEL * b * b) - 1.0;
     let offs: Vec<f64> = (0..ms.len()).map(off).collect();
     for (m, off) in ms.iter().zip(&offs) {
@@ -271,13 +271,13 @@ fn models() -> Vec<Model> {
         Part::rate_ramp(1e-4),
         Part::warm_up(0.5, 7.0),
     ];
-    let all = Model { samples: 3000, ms: octaves(3000, 3), ..Model::of(&everything) };
+    let all = Model { samples: 3000, ms: octaves(3000, 3), ..Model::new(&everything) };
     vec![
         nine_hours(&gyros()[0].1),
         all.clone(),
         Model { readout_lsb: 0.38, mean_rate: 15.041, ..all },
-        Model::of(&everything[3..5]),
-        Model::of(&everything[5..7]),
+        Model::new(&everything[3..5]),
+        Model::new(&everything[5..7]),
     ]
 }
 
@@ -336,13 +336,13 @@ fn the_words_of_a_model_are_the_same_on_every_machine() {
 fn where_rounding_hides_the_angle_the_theory_is_blank() {
     // The rate walks so far in 2^21 samples that from one sample to the next it is lost in the unit of angle.
     let parts = [Part::rate_random_walk(1.0)];
-    let records = Model { samples: 1 << 21, ms: octaves(1 << 21, 2), ..Model::of(&parts) }.lowered();
+    let records = Model { samples: 1 << 21, ms: octaves(1 << 21, 2), ..Model::new(&parts) }.lowered();
     let known: Vec<bool> = (0..records.ms().len()).map(|at| records.theory(at).value.is_some()).collect();
     let first = known.iter().position(|&known| known).unwrap();
     assert!((1..=10).contains(&first) && known[first..].iter().all(|&known| known), "{known:?}");
     // Pulses that the angle stays in for many samples, of an angle without a closed form.
     let parts = [Part::angle_random_walk(0.04), Part::bias_instability(0.01, 24)];
-    let records = Model { readout_lsb: 0.38, ..Model::of(&parts) }.lowered();
+    let records = Model { readout_lsb: 0.38, ..Model::new(&parts) }.lowered();
     assert_eq!(records.theory(0).value, None, "{:?}", records.theory(0));
     assert!(records.theory(11).value.is_some());
 }

@@ -29,7 +29,7 @@ struct Model {
 }
 
 impl Model {
-    fn of(switching: Switching) -> Model {
+    fn new(switching: Switching) -> Model {
         let ms = vec![1, 2, 7, 16, 37, 40, 64, 80, 100, 160, 333, 640];
         Model { parts: vec![], switching, readout_lsb: 0.0, estimator: Estimator::OVERLAPPING, ms }
     }
@@ -122,7 +122,7 @@ fn the_sawtooth_is_that_of_the_turning_drift() {
         let switching = Switching { interval, magnetic, ..QUIET };
         let angles = sawtooth(&switching);
         for estimator in ESTIMATORS {
-            let records = Model { estimator, ..Model::of(switching) }.lower().unwrap();
+            let records = Model { estimator, ..Model::new(switching) }.lower().unwrap();
             for (at, found) in sampled(&records, 2).into_iter().enumerate() {
                 let (m, theory) = (records.ms()[at], records.theory(at));
                 assert_eq!(found[0], found[1], "M = {interval}, m = {m}");
@@ -167,7 +167,7 @@ fn fill_residuals_have_their_theory_at_all_averaging_times() {
     for (name, parts, switching, readout_lsb) in tables {
         for estimator in ESTIMATORS {
             let model =
-                Model { parts: parts.clone(), switching, readout_lsb, estimator, ..Model::of(switching) };
+                Model { parts: parts.clone(), switching, readout_lsb, estimator, ..Model::new(switching) };
             let records = model.lower().unwrap_or_else(|error| panic!("{name}: {error}"));
             for (at, found) in sampled(&records, 2048).iter().enumerate() {
                 let (m, (mean, se), theory) = (records.ms()[at], mean(found), records.theory(at));
@@ -215,7 +215,7 @@ fn an_independent_sampler_agrees() {
         let estimator = Estimator { difference, ..Estimator::OVERLAPPING };
         let ms = vec![1, 16, 40, 74, 160, 300];
         let parts = vec![Part::angle_random_walk(0.02)];
-        let model = Model { parts, ms, estimator, ..Model::of(switching) };
+        let model = Model { parts, ms, estimator, ..Model::new(switching) };
         let records = model.lower().unwrap();
         let found = sampled(&records, 4096);
         let mut rng = StdRng::seed_from_u64(11);
@@ -234,8 +234,8 @@ fn an_independent_sampler_agrees() {
 fn switches_shift_no_other_draw() {
     let parts = || vec![Part::angle_random_walk(0.03)];
     let switching = Switching { residual: 1e-3, ..QUIET };
-    let with = Model { parts: parts(), ..Model::of(switching) }.lower().unwrap();
-    let without = Model { parts: parts(), ..Model::of(QUIET) }.lower().unwrap();
+    let with = Model { parts: parts(), ..Model::new(switching) }.lower().unwrap();
+    let without = Model { parts: parts(), ..Model::new(QUIET) }.lower().unwrap();
     let [with, without] = [&with, &without].map(|records| sampled(records, 5));
     for (with, without) in with[0].iter().zip(&without[0]) {
         assert!((with / without - 1.0).abs() < 0.02 && with != without, "{with}, {without}");
@@ -244,8 +244,8 @@ fn switches_shift_no_other_draw() {
 
 #[test]
 fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
-    let of = |switching| Model::of(switching);
-    let white = |n, switching| Model { parts: vec![Part::angle_random_walk(n)], ..Model::of(switching) };
+    let of = |switching| Model::new(switching);
+    let white = |n, switching| Model { parts: vec![Part::angle_random_walk(n)], ..Model::new(switching) };
     let magnetic = |amplitude, time_s| Magnetic { amplitude, time_s, initial: 0.0 };
     let table = [
         ("noise.switching.interval", of(Switching { interval: 0, ..QUIET })),
@@ -276,7 +276,7 @@ fn no_difference_leaves_the_room_that_there_is() {
         let (residual, residual_noise) = (size(), size());
         let interval = random.random_range(0.0..10.9_f64).exp2() as u64;
         let switching = Switching { interval, magnetic, residual, residual_noise };
-        let Ok(records) = Model::of(switching).lower() else { continue };
+        let Ok(records) = Model::new(switching).lower() else { continue };
         let angles = sawtooth(&switching);
         let sigma = switching.jumps().unwrap().variance.sqrt();
         for difference in [Difference::Second, Difference::Third] {
@@ -303,7 +303,7 @@ fn the_words_of_switches_are_the_same_on_every_machine() {
         residual_noise: 2.0,
     };
     let records =
-        Model { parts: vec![Part::angle_random_walk(0.03)], ..Model::of(switching) }.lower().unwrap();
+        Model { parts: vec![Part::angle_random_walk(0.03)], ..Model::new(switching) }.lower().unwrap();
     assert_eq!(records.recipe().switching.map(|words| words[0]), Some(37));
     assert_eq!(records.digest().to_string(), "c7885dfdbb1a2c3ec64f9dab4266e60a");
 }

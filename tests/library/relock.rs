@@ -41,7 +41,7 @@ fn sampled(lowered: &LoweredRelock) -> Vec<(&RelockEstimate, Estimates)> {
         let jobs: Vec<Job> =
             cover(0..TRIALS, 63).into_iter().map(|block| Job { launch: &launch, block }).collect();
         let tally = &cpu.tally(&jobs, true, &|_| {})[0][0];
-        all.push((estimate, Estimates::of(tally, estimate.bin_base, lowered.fixed.lsb_arcsec).unwrap()));
+        all.push((estimate, Estimates::new(tally, estimate.bin_base, lowered.fixed.lsb_arcsec).unwrap()));
     }
     all
 }

@@ -32,7 +32,7 @@ fn record(parts: &[Part], samples: usize, seed: u64) -> Angles {
 }
 
 fn of(angles: &Angles, segment: usize) -> Density {
-    Density::of(angles, &Welch { segment: Some(segment), ..Welch::default() }).unwrap()
+    Density::new(angles, &Welch { segment: Some(segment), ..Welch::default() }).unwrap()
 }
 
 /// The numbers that tests/data/psd/welch.py makes.
@@ -55,7 +55,7 @@ fn densities_are_those_of_scipy() {
         (300, 300, "constant", Trend::None),
     ] {
         let welch = Welch { segment: Some(segment), trend, ..Welch::default() };
-        let found = Density::of(&angles(&lehmer(samples)), &welch).unwrap();
+        let found = Density::new(&angles(&lehmer(samples)), &welch).unwrap();
         let start = format!("{samples},{segment},{word},");
         let rows: Vec<[f64; 2]> = text
             .lines()
@@ -97,7 +97,7 @@ fn no_segment_crosses_a_gap() {
 
 #[test]
 fn a_default_segment_is_an_eighth_of_the_record_or_fits_between_gaps() {
-    let segment = |rates: &[f64]| Density::of(&angles(rates), &Welch::default()).unwrap().segment;
+    let segment = |rates: &[f64]| Density::new(&angles(rates), &Welch::default()).unwrap().segment;
     assert_eq!(segment(&lehmer(10_000)), 1024);
     assert_eq!(segment(&lehmer(200_000)), 16_384);
     assert_eq!(segment(&lehmer(20)), 16);
@@ -118,9 +118,9 @@ fn lost_samples_leave_the_floor_and_a_line_where_they_are() {
     let lossy: Vec<f64> =
         rates.iter().zip(&losses[40_000..]).map(|(x, y)| if *y < 0.2 { f64::NAN } else { *x }).collect();
     let [whole, found] = [rates, lossy].map(|rates| {
-        let density = Density::of(&angles(&rates), &Welch::default()).unwrap();
+        let density = Density::new(&angles(&rates), &Welch::default()).unwrap();
         let lines = lines(&density);
-        (Floor::of(&density, &lines).unwrap().density, lines)
+        (Floor::new(&density, &lines).unwrap().density, lines)
     });
     assert!((found.0 / whole.0 - 1.0).abs() < 0.06, "{} and {}", found.0, whole.0);
     assert_eq!((found.1.len(), whole.1.len()), (1, 1));
@@ -130,7 +130,7 @@ fn lost_samples_leave_the_floor_and_a_line_where_they_are() {
 #[test]
 fn what_has_no_density_is_refused_by_name() {
     let refused = |rates: &[f64], segment| {
-        Density::of(&angles(rates), &Welch { segment, ..Welch::default() }).unwrap_err()
+        Density::new(&angles(rates), &Welch { segment, ..Welch::default() }).unwrap_err()
     };
     assert_eq!(refused(&lehmer(15), None), SpectrumError::RecordTooShort { longest: 15 });
     let mut gaps = lehmer(1000);
@@ -177,7 +177,7 @@ fn intervals_contain_the_density_as_often_as_they_say() {
     let (mut inside, mut all) = (0, 0);
     for seed in 0..100 {
         let found =
-            Density::of(&record(&[Part::angle_random_walk(1.0)], 4096, seed), &Welch::default()).unwrap();
+            Density::new(&record(&[Part::angle_random_walk(1.0)], 4096, seed), &Welch::default()).unwrap();
         assert_eq!(found.points[0].interval, None, "the mean is missing at the lowest frequency");
         for (low, high) in found.points.iter().filter_map(|point| point.interval) {
             all += 1;
@@ -192,7 +192,7 @@ fn intervals_contain_the_density_as_often_as_they_say() {
 /// White noise with sines of some amplitudes and frequencies, and its lines.
 fn lines_of(sines: &[(f64, f64)], seed: u64) -> (Density, Vec<Line>) {
     let parts: Vec<Part> = sines.iter().map(|&(amplitude, f)| Part::sine(amplitude, f)).collect();
-    let found = Density::of(
+    let found = Density::new(
         &record(&[&[Part::angle_random_walk(0.1)], &parts[..]].concat(), 32_768, seed),
         &Welch::default(),
     );
@@ -242,7 +242,7 @@ fn a_dither_whose_phase_walks_is_one_line_with_its_power() {
             0.8 * phase.sin() + noise::normal(&mut rng)
         })
         .collect();
-    let found = lines(&Density::of(&angles(&rates), &Welch::default()).unwrap());
+    let found = lines(&Density::new(&angles(&rates), &Welch::default()).unwrap());
     assert_eq!(found.len(), 1, "{found:?}");
     // The outermost power of its skirts is below the floor.
     assert!((found[0].amplitude - 0.76).abs() < 0.04, "{found:?}");
@@ -254,7 +254,7 @@ fn noise_alone_shows_a_line_in_at_most_one_of_a_hundred_records() {
     let red = vec![Part::angle_random_walk(1.0), Part::rate_random_walk(30.0), Part::quantization(0.1)];
     for parts in [white, red] {
         let shows = |seed: u64| {
-            let found = Density::of(&record(&parts, 8192, 1000 + seed), &Welch::default()).unwrap();
+            let found = Density::new(&record(&parts, 8192, 1000 + seed), &Welch::default()).unwrap();
             !lines(&found).is_empty()
         };
         let shown = (0..100).filter(|&seed| shows(seed)).count();
@@ -268,11 +268,11 @@ fn n_of_the_floor_is_within_the_interval_of_the_fit_and_its_own_contains_the_tru
     let (mut within, mut covered) = (0, 0);
     for seed in 0..100 {
         let angles = record(&[Part::angle_random_walk(0.7)], 8192, 2000 + seed);
-        let found = Density::of(&angles, &Welch::default()).unwrap();
-        let floor = Floor::of(&found, &lines(&found)).unwrap();
+        let found = Density::new(&angles, &Welch::default()).unwrap();
+        let floor = Floor::new(&found, &lines(&found)).unwrap();
         let closed = Intervals { records: 0, without: None };
-        let sheet = DataSheet::of(
-            &Events::of(&angles, &Outliers::default(), &[]),
+        let sheet = DataSheet::new(
+            &Events::new(&angles, &Outliers::default(), &[]),
             &Terms::of_model(Trend::None).into(),
             Unit::Angular,
             closed,
@@ -292,13 +292,13 @@ fn n_of_the_floor_is_within_the_interval_of_the_fit_and_its_own_contains_the_tru
 #[test]
 fn the_floor_is_where_the_density_is_flat() {
     let parts = [Part::angle_random_walk(0.1), Part::rate_random_walk(0.5), Part::quantization(0.0173)];
-    let found = Density::of(&record(&parts, 1 << 18, 5), &Welch::default()).unwrap();
-    let floor = Floor::of(&found, &lines(&found)).unwrap();
+    let found = Density::new(&record(&parts, 1 << 18, 5), &Welch::default()).unwrap();
+    let floor = Floor::new(&found, &lines(&found)).unwrap();
     let [from, to] = floor.range_hz;
     // The walk has the density of N at K/2πN = 0.8 Hz, and the errors of the angles have it at 9.2 Hz.
     assert!(from > 1.0 && to < 9.0, "{from} to {to} Hz");
     // Between them it is at least 1.17 times that of N.
     assert!((floor.density / 0.02 - 1.2).abs() < 0.1, "{}", floor.density);
-    let walk = Density::of(&record(&[Part::rate_random_walk(1.0)], 1 << 18, 6), &Welch::default()).unwrap();
-    assert_eq!(Floor::of(&walk, &[]), None);
+    let walk = Density::new(&record(&[Part::rate_random_walk(1.0)], 1 << 18, 6), &Welch::default()).unwrap();
+    assert_eq!(Floor::new(&walk, &[]), None);
 }

@@ -48,7 +48,7 @@ fn log(data: Data, samples: &[f64], temperature: impl Fn(usize) -> Option<f64>) 
 }
 
 fn found(log: &Log, effects: &Effects) -> Temperature {
-    Temperature::of(log, &treatment(), effects).unwrap()
+    Temperature::new(log, &treatment(), effects).unwrap()
 }
 
 fn dependence(temperature: &Temperature) -> &Dependence {

@@ -199,7 +199,7 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
     .launches()
     .remove(0);
     let shape: Shape = launch.shape().expect("of gap filling");
-    let p = Parameters::of(launch.words(), shape);
+    let p = Parameters::new(launch.words(), shape);
     // sine(¼ turn) = 2^30.
     let truth = ((i64::from(p.gap_sin[0] as i32) << 30) + (1 << 31)) >> 32;
     let scale = ((LIMIT - 1) / truth) as i32 * sign;

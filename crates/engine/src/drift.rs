@@ -1,7 +1,7 @@
 //! The drift of a gyro that switches modes, and its schedule of switches; shared by budgets and whole runs.
 
 use crate::key::document::SpanMap;
-use crate::key::sweep::Setting;
+use crate::key::sweep::SweepTarget;
 use crate::key::{ValueType, keys, measure, words};
 use sagnac_base::diagnostics::Fault;
 use sagnac_base::quantity::Dimension;
@@ -134,17 +134,17 @@ keys! {
 }
 
 /// The settings of these keys.
-pub(crate) static SETTINGS: [Setting<Drift>; 10] = [
-    Setting::new(&MAGNETIC, |drift, rate| drift.magnetic = rate.value),
-    Setting::new(&MAGNETIC_SPREAD, |drift, rate| drift.magnetic_spread = rate.value),
-    Setting::new(&WARM_UP, |drift, time| drift.warm_up_s = time.value),
-    Setting::new(&WARM_UP_SPREAD, |drift, part| drift.warm_up_spread = part.value),
-    Setting::new(&NON_MAGNETIC, |drift, rate| drift.non_magnetic = rate.value),
-    Setting::new(&NON_MAGNETIC_SPREAD, |drift, rate| drift.non_magnetic_spread = rate.value),
-    Setting::new(&INITIAL, |drift, rate| drift.initial_magnetic = rate.value),
-    Setting::new(&INITIAL_SPREAD, |drift, rate| drift.initial_magnetic_spread = rate.value),
-    Setting::new(&RANDOM_WALK, |drift, n| drift.angle_random_walk = n.value),
-    Setting::new(&RESIDUAL_MAX, |drift, angle| drift.residual_max = angle.value),
+pub(crate) static SETTINGS: [SweepTarget<Drift>; 10] = [
+    SweepTarget::new(&MAGNETIC, |drift, rate| drift.magnetic = rate.value),
+    SweepTarget::new(&MAGNETIC_SPREAD, |drift, rate| drift.magnetic_spread = rate.value),
+    SweepTarget::new(&WARM_UP, |drift, time| drift.warm_up_s = time.value),
+    SweepTarget::new(&WARM_UP_SPREAD, |drift, part| drift.warm_up_spread = part.value),
+    SweepTarget::new(&NON_MAGNETIC, |drift, rate| drift.non_magnetic = rate.value),
+    SweepTarget::new(&NON_MAGNETIC_SPREAD, |drift, rate| drift.non_magnetic_spread = rate.value),
+    SweepTarget::new(&INITIAL, |drift, rate| drift.initial_magnetic = rate.value),
+    SweepTarget::new(&INITIAL_SPREAD, |drift, rate| drift.initial_magnetic_spread = rate.value),
+    SweepTarget::new(&RANDOM_WALK, |drift, n| drift.angle_random_walk = n.value),
+    SweepTarget::new(&RESIDUAL_MAX, |drift, angle| drift.residual_max = angle.value),
 ];
 
 words! {
@@ -188,9 +188,9 @@ keys! {
 }
 
 /// The settings of these keys.
-pub(crate) static SCHEDULE_SETTINGS: [Setting<Schedule>; 2] = [
-    Setting::new(&INTERVAL, |schedule, interval| schedule.interval_s = interval.value),
-    Setting::new(&DURATION, |schedule, duration| schedule.duration_s = duration.value),
+pub(crate) static SCHEDULE_SETTINGS: [SweepTarget<Schedule>; 2] = [
+    SweepTarget::new(&INTERVAL, |schedule, interval| schedule.interval_s = interval.value),
+    SweepTarget::new(&DURATION, |schedule, duration| schedule.duration_s = duration.value),
 ];
 
 impl Schedule {

@@ -8,7 +8,7 @@ use miette::NamedSource;
 use toml::de::DeTable;
 
 use crate::key::document::{SpanMap, Table, check};
-use crate::key::sweep::{self, Setting, Sweep};
+use crate::key::sweep::{self, Sweep, SweepTarget};
 use crate::key::{Key, ParseContext, ValueType, docs, keys, measure};
 use sagnac_base::diagnostics::{Fault, StudyError, Text, Wrong};
 use sagnac_base::quantity::number::significant;
@@ -407,7 +407,7 @@ keys! {
 /// is present.
 macro_rules! of_term {
     ($key:ident, $term:ident, $place:literal) => {
-        Setting::of(
+        SweepTarget::where_it_applies(
             &$key,
             |noise| !Term::$term.has_shape() || noise.has(Term::$term),
             |noise, given| noise.set(Term::$term, $place, given.value),
@@ -416,18 +416,22 @@ macro_rules! of_term {
 }
 
 /// The settings of the coefficients; the first key of an absent part creates it.
-pub(crate) static SETTINGS: [Setting<Noise>; 22] = [
+pub(crate) static SETTINGS: [SweepTarget<Noise>; 22] = [
     of_term!(QUANTIZATION, Quantization, 0),
-    Setting::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),
+    SweepTarget::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),
     of_term!(ANGLE_RANDOM_WALK, AngleRandomWalk, 0),
-    Setting::of(&LOCK_IN_THRESHOLD, locks_in, |noise, rate| of_lock_in(noise).threshold = rate.value),
-    Setting::of(&LOCK_IN_SCALE, locks_in, |noise, scale| of_lock_in(noise).scale_factor = scale.value),
-    Setting::of(&DITHER_AMPLITUDE, locks_in, |noise, amplitude| {
+    SweepTarget::where_it_applies(&LOCK_IN_THRESHOLD, locks_in, |noise, rate| {
+        of_lock_in(noise).threshold = rate.value
+    }),
+    SweepTarget::where_it_applies(&LOCK_IN_SCALE, locks_in, |noise, scale| {
+        of_lock_in(noise).scale_factor = scale.value
+    }),
+    SweepTarget::where_it_applies(&DITHER_AMPLITUDE, locks_in, |noise, amplitude| {
         let lock_in = of_lock_in(noise);
         lock_in.dither_amplitude = amplitude.value;
         lock_in.of_angle = amplitude.dimension == Dimension::Angle;
     }),
-    Setting::of(&DITHER_FREQUENCY, locks_in, |noise, frequency| {
+    SweepTarget::where_it_applies(&DITHER_FREQUENCY, locks_in, |noise, frequency| {
         of_lock_in(noise).dither_hz = frequency.value;
     }),
     of_term!(BIAS_INSTABILITY, BiasInstability, 0),
@@ -439,14 +443,22 @@ pub(crate) static SETTINGS: [Setting<Noise>; 22] = [
     of_term!(SINE_FREQUENCY, Sine, 1),
     of_term!(WARM_UP_AMPLITUDE, WarmUp, 0),
     of_term!(WARM_UP_TIME, WarmUp, 1),
-    Setting::of(&INTERVAL, switches, |noise, time| of_switching(noise).interval_s = time.value),
-    Setting::of(&MAGNETIC, switches, |noise, rate| of_switching(noise).magnetic = rate.value),
-    Setting::of(&SWITCHING_WARM_UP, switches, |noise, time| {
+    SweepTarget::where_it_applies(&INTERVAL, switches, |noise, time| {
+        of_switching(noise).interval_s = time.value
+    }),
+    SweepTarget::where_it_applies(&MAGNETIC, switches, |noise, rate| {
+        of_switching(noise).magnetic = rate.value
+    }),
+    SweepTarget::where_it_applies(&SWITCHING_WARM_UP, switches, |noise, time| {
         of_switching(noise).warm_up_s = Some(time.value);
     }),
-    Setting::of(&INITIAL_MAGNETIC, switches, |noise, rate| of_switching(noise).initial_magnetic = rate.value),
-    Setting::of(&RESIDUAL, switches, |noise, d| of_switching(noise).residual = d.value),
-    Setting::of(&RESIDUAL_NOISE, switches, |noise, sigma| of_switching(noise).residual_noise = sigma.value),
+    SweepTarget::where_it_applies(&INITIAL_MAGNETIC, switches, |noise, rate| {
+        of_switching(noise).initial_magnetic = rate.value
+    }),
+    SweepTarget::where_it_applies(&RESIDUAL, switches, |noise, d| of_switching(noise).residual = d.value),
+    SweepTarget::where_it_applies(&RESIDUAL_NOISE, switches, |noise, sigma| {
+        of_switching(noise).residual_noise = sigma.value
+    }),
 ];
 
 fn locks_in(noise: &Noise) -> bool {
@@ -509,7 +521,7 @@ pub(crate) fn all<'n>(noise: &'n Noise, files: &'n NoiseFiles) -> Vec<&'n Noise>
 /// A file cannot be read, or is no noise.
 pub(crate) fn swept_files(
     reading: &mut ParseContext,
-    written: &[(&'static Setting<Noise>, Quantity)],
+    written: &[(&'static SweepTarget<Noise>, Quantity)],
 ) -> Result<NoiseFiles, Wrong> {
     let mut files = Vec::new();
     for (name, file) in reading.sweep(&FILE).into_iter().flat_map(Sweep::named_files) {
@@ -524,7 +536,7 @@ pub(crate) fn swept_files(
 /// The noise of a table, with the settings written in addition to a file.
 pub(crate) struct WrittenNoise {
     pub(crate) noise: Noise,
-    pub(crate) written: Vec<(&'static Setting<Noise>, Quantity)>,
+    pub(crate) written: Vec<(&'static SweepTarget<Noise>, Quantity)>,
 }
 
 /// Reads the noise, including that of a file, and records the place of each key.

@@ -25,7 +25,7 @@ use crate::device::Workload;
 pub use crate::key::Precision;
 use crate::key::document::{SpanMap, Table};
 use crate::key::sensitivity::{self, Uncertain};
-use crate::key::sweep::{self, Scale, Sweep, Swept, read_all as read_sweeps};
+use crate::key::sweep::{self, Scale, Sweep, SweepValue, read_all as read_sweeps};
 use crate::key::{
     KIND, Key, LIMIT, NONE as NO_PRECISION, PRECISION, ParseContext, QUESTION, SEED, STREAMS, Streams, TITLE,
     TRIALS, Unrepresentable, docs,
@@ -176,7 +176,7 @@ impl Study {
     }
 
     /// The error for a point at these swept values that cannot be sampled, at the key that has to change.
-    pub fn refused(&self, swept: &[(&'static str, Swept)], refusal: &Unrepresentable) -> StudyError {
+    pub fn refused(&self, swept: &[(&'static str, SweepValue)], refusal: &Unrepresentable) -> StudyError {
         let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
         let Unrepresentable { key, message, help } = refusal;
@@ -506,7 +506,7 @@ impl Study {
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
         };
         let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
-        let places = SpanMap::of(&sweeps);
+        let places = SpanMap::new(&sweeps);
         let precision = None;
         let mut reading =
             ParseContext { table: table.clone(), sweeps: &sweeps, files: &files, places, notes, precision };
@@ -538,7 +538,7 @@ impl Study {
             question: written_text(&QUESTION),
             seed: seed.as_ref().map_or(1, |seed| *seed.get_ref()),
             trials: trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
-            streams: Streams::of(table.get(&STREAMS)),
+            streams: Streams::from_value(table.get(&STREAMS)),
             charts,
             requirement,
             kind,
@@ -587,7 +587,7 @@ impl Study {
     ///
     /// # Errors
     /// A value is outside the limits of its key, or a point is not a valid one; the error points at the key.
-    pub fn at_points(&self, keys: &[&'static Key], points: &[Vec<Swept>]) -> Result<Study, StudyError> {
+    pub fn at_points(&self, keys: &[&'static Key], points: &[Vec<SweepValue>]) -> Result<Study, StudyError> {
         let sweeps = keys.iter().enumerate().map(|(at, key)| self.joined(key, points, at));
         let sweeps = sweeps.collect::<Result<Vec<Sweep>, StudyError>>()?;
         let subject = self.subject.with_points(&sweeps, &self.places).and_then(|subject| {
@@ -618,16 +618,16 @@ impl Study {
     }
 
     /// The values of one key at some points as a sweep.
-    fn joined(&self, key: &'static Key, points: &[Vec<Swept>], at: usize) -> Result<Sweep, StudyError> {
+    fn joined(&self, key: &'static Key, points: &[Vec<SweepValue>], at: usize) -> Result<Sweep, StudyError> {
         let span = self.place_of(key.name);
-        let values: Vec<Swept> = points.iter().map(|point| point[at].clone()).collect();
-        let outside = values.iter().filter_map(Swept::quantity).find(|value| !key.admits(value.value));
+        let values: Vec<SweepValue> = points.iter().map(|point| point[at].clone()).collect();
+        let outside = values.iter().filter_map(SweepValue::quantity).find(|value| !key.admits(value.value));
         if let Some(value) = outside {
             let message = format!("{} = {value} is out of range", key.name);
             return Err(self.error_at(span, message, format!("accepted: {}", key.range())));
         }
         let own = self.sweeps.iter().find(|sweep| std::ptr::eq(sweep.key, key));
-        let file = |value: &Swept| {
+        let file = |value: &SweepValue| {
             own.and_then(|own| {
                 Some(own.files.get(own.values.iter().position(|known| known == value)?)?.clone())
             })
@@ -641,7 +641,7 @@ impl Study {
 #[cfg(test)]
 mod tests {
     use super::Study;
-    use crate::key::sweep::Swept;
+    use crate::key::sweep::SweepValue;
     use crate::kinds::gap_fill::GapFill;
     use sagnac_base::quantity::{Dimension, Quantity};
 
@@ -649,8 +649,8 @@ mod tests {
     fn points_have_the_values_given_and_all_others_as_written() {
         let study = Study::parse("s.toml", include_str!("../../../studies/error_vs_dtnu.toml")).unwrap();
         let keys = [study.sweeps[0].key, study.sweeps[1].key];
-        let frequency = |hz: f64| Swept::Quantity(Quantity::new(hz, Dimension::Frequency));
-        let gap = |n: f64| Swept::Quantity(Quantity::new(n, Dimension::Count));
+        let frequency = |hz: f64| SweepValue::Quantity(Quantity::new(hz, Dimension::Frequency));
+        let gap = |n: f64| SweepValue::Quantity(Quantity::new(n, Dimension::Count));
         let value =
             |key: usize, at: f64| if study.sweeps[key].key.is_whole() { gap(at) } else { frequency(at) };
         let points = [vec![value(0, 3.0), value(1, 5.0)], vec![value(0, 2.0), value(1, 4.0)]];

@@ -26,7 +26,7 @@ pub struct Id(pub [u8; 16]);
 
 impl Id {
     /// The identity of a text.
-    pub fn of(text: &str) -> Id {
+    pub fn from_text(text: &str) -> Id {
         Id::of_bytes(text.as_bytes())
     }
 
@@ -255,7 +255,7 @@ impl Estimates {
     /// tally.
     ///
     /// `None` without trials.
-    pub fn of(tally: &Moments, bin_base: u32, scale: f64) -> Option<Estimates> {
+    pub fn new(tally: &Moments, bin_base: u32, scale: f64) -> Option<Estimates> {
         if tally.count == 0 {
             return None;
         }
@@ -629,7 +629,7 @@ mod tests {
         let sine =
             (0..n).map(|k| (1e6 * libm::sin(f64::from(k) / f64::from(n) * core::f64::consts::TAU)) as i32);
         let base = level(176_776);
-        let estimates = Estimates::of(&tally_of(sine, base), base, 0.5).unwrap();
+        let estimates = Estimates::new(&tally_of(sine, base), base, 0.5).unwrap();
         let rms = 1e6 / libm::sqrt(2.0) * 0.5;
         assert!((estimates.rms / rms - 1.0).abs() < 1e-5, "{estimates:?}");
         // E⁴ of a sine is 3/8, so se = rms √(1/2) / (2 √n); a normal distribution would give rms √2 / (2 √n).
@@ -666,7 +666,7 @@ mod tests {
                 let rms = libm::hypot(m, s);
                 let expected = libm::sqrt(variance / tally.count as f64) / (2.0 * rms);
                 let base = level(libm::floor(0.25 * rms) as u32);
-                let found = Estimates::of(&tally, base, 1.0).unwrap().rms_se.unwrap();
+                let found = Estimates::new(&tally, base, 1.0).unwrap().rms_se.unwrap();
                 assert!((found / expected - 1.0).abs() < 0.01, "{name}, {relative}: {found}, not {expected}");
             }
         }
@@ -677,7 +677,7 @@ mod tests {
         let errors = [-3, -2, -2, -9, 2, -7, 4, 4, 3, 2, 5];
         let moment = |power| errors.iter().map(|&e| f64::from(e).powi(power)).sum::<f64>() / 11.0;
         let expected = libm::sqrt((moment(4) - moment(2) * moment(2)) / 11.0 / (4.0 * moment(2)));
-        let found = Estimates::of(&tally_of(errors, 0), 0, 1.0).unwrap().rms_se.unwrap();
+        let found = Estimates::new(&tally_of(errors, 0), 0, 1.0).unwrap().rms_se.unwrap();
         assert!((found / expected - 1.0).abs() < 1e-12, "{found}, not {expected}");
     }
 
@@ -685,19 +685,19 @@ mod tests {
     fn the_standard_error_of_a_constant_is_exactly_0_and_that_of_an_unknown_variance_is_absent() {
         for error in [77_569_123, -5, 0] {
             let base = level(i32::unsigned_abs(error) / 4);
-            let estimates = Estimates::of(&tally_of([error; 1000], base), base, 0.1).unwrap();
+            let estimates = Estimates::new(&tally_of([error; 1000], base), base, 0.1).unwrap();
             assert_eq!(estimates.rms_se, Some(0.0), "{error}");
         }
         let mut without_histogram = tally_of([-5, 3, 8], 0);
         without_histogram.bins.clear();
-        assert_eq!(Estimates::of(&without_histogram, 0, 1.0).unwrap().rms_se, None);
+        assert_eq!(Estimates::new(&without_histogram, 0, 1.0).unwrap().rms_se, None);
     }
 
     #[test]
     fn the_quantile_of_an_even_spread_is_found_within_its_bounds() {
         let n = 200_000;
         let base = level(n as u32 / 8);
-        let q = Estimates::of(&tally_of(1..=n, base), base, 1.0).unwrap().p99_73.unwrap();
+        let q = Estimates::new(&tally_of(1..=n, base), base, 1.0).unwrap().p99_73.unwrap();
         let exact = LEVEL * f64::from(n);
         assert!((q.value / exact - 1.0).abs() < 1e-3, "{q:?}");
         let (low, high) = (q.low.unwrap(), q.high.unwrap());
@@ -707,7 +707,7 @@ mod tests {
     #[test]
     fn a_quantile_that_few_trials_cannot_bound_has_no_upper_end() {
         let base = level(12);
-        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().p99_73.unwrap();
+        let q = Estimates::new(&tally_of(1..=100, base), base, 1.0).unwrap().p99_73.unwrap();
         assert_eq!(q.high, None);
         assert!(q.low.is_some());
     }
@@ -716,17 +716,17 @@ mod tests {
     fn what_lies_beyond_the_histogram_is_left_blank_and_not_guessed() {
         // Bins end at 32, and one error in a hundred lies far beyond.
         let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
-        let found = Estimates::of(&tally, level(1), 1.0).unwrap();
+        let found = Estimates::new(&tally, level(1), 1.0).unwrap();
         assert_eq!((found.p99_73, found.rms_se), (None, None));
         assert_eq!(found.max, 5000.0);
     }
 
     #[test]
     fn one_trial_and_no_trial_and_all_zero_are_answered_without_invention() {
-        assert_eq!(Estimates::of(&Moments::empty(true), 0, 1.0), None);
-        let one = Estimates::of(&tally_of([7], 0), 0, 1.0).unwrap();
+        assert_eq!(Estimates::new(&Moments::empty(true), 0, 1.0), None);
+        let one = Estimates::new(&tally_of([7], 0), 0, 1.0).unwrap();
         assert_eq!((one.rms, one.rms_se), (7.0, None));
-        let zero = Estimates::of(&tally_of([0, 0, 0], 0), 0, 1.0).unwrap();
+        let zero = Estimates::new(&tally_of([0, 0, 0], 0), 0, 1.0).unwrap();
         assert_eq!((zero.rms, zero.rms_se, zero.max), (0.0, Some(0.0), 0.0));
     }
 

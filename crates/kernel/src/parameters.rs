@@ -12,7 +12,7 @@ macro_rules! parameters {
             /// Splits `words`, which must have the length that `shape` requires, into its fields.
             #[inline(always)]
             #[allow(unused_assignments)]
-            pub fn of(words: &'a [u32], shape: Shape) -> Parameters<'a> {
+            pub fn new(words: &'a [u32], shape: Shape) -> Parameters<'a> {
                 let mut from = 0;
                 $(let length = ($length)(shape); let $field = &words[from..from + length]; from += length;)*
                 Parameters { $($field),* }

@@ -124,8 +124,8 @@ impl Trial for Shape {
     #[inline(always)]
     fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments> {
         launch.assert_fits(&self);
-        let p = Parameters::of(launch.words(), self);
-        let given = Given { p: relock_ticks::Parameters::of(p.relock, self.ticks), shape: self.ticks };
+        let p = Parameters::new(launch.words(), self);
+        let given = Given { p: relock_ticks::Parameters::new(p.relock, self.ticks), shape: self.ticks };
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
         moments::tally::<W>(Relock { p, given, shape: self, keys }, trials)
     }

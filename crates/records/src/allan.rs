@@ -27,7 +27,7 @@ pub use crate::allan::deviation::{
 };
 use crate::allan::edf::edf;
 use crate::allan::noise::noise;
-pub use crate::allan::noise::{MIN_GROUPS, Noise, Spread};
+pub use crate::allan::noise::{MIN_GROUPS, Noise, Overdispersion};
 use crate::allan::sums::sums;
 use sagnac_theory::allan::Process;
 use sagnac_theory::allan::gaussian::freedom;

@@ -2,7 +2,7 @@
 //! telegraph noise, lines of the spectrum and whole units of the readout.
 //!
 //! ```text
-//! Angles, Outliers, temperatures ─ Events::of ─┬─ noise bursts, spikes: left out
+//! Angles, Outliers, temperatures ─ Events::new ─┬─ noise bursts, spikes: left out
 //!                                              ├─ slow: steps, bursts, sines, warm-ups, temperature ─ subtracted
 //!                                              └─ lines of the spectrum ─ subtracted ─▶ Events: a list, and the record without them
 //! ```
@@ -105,7 +105,7 @@ pub struct Event {
 
 impl Event {
     /// An event of a kind without any figures.
-    pub fn of(what: What) -> Event {
+    pub fn new(what: What) -> Event {
         let (size, samples, frequency_hz, time_s) = Default::default();
         Event { what, size, samples, frequency_hz, time_s, count: 1, other: None, instead_of: None }
     }
@@ -155,7 +155,7 @@ impl<'a> From<&'a Angles> for Events<'a> {
 
 impl<'a> Events<'a> {
     /// The events of a record with these outliers. `temperatures` are °C at each increment, NaN where unknown.
-    pub fn of(angles: &'a Angles, outliers: &Outliers, temperatures: &[Vec<f64>]) -> Events<'a> {
+    pub fn new(angles: &'a Angles, outliers: &Outliers, temperatures: &[Vec<f64>]) -> Events<'a> {
         let mut events = Events::from(angles);
         events.list.extend(readout_units(angles));
         let bursts = noise_bursts::stretches(angles);
@@ -227,8 +227,8 @@ impl<'a> Events<'a> {
             let examined = angles.len().min(MAX_EXAMINED);
             let first = (angles.len() - examined) / 2;
             match examined == angles.len() {
-                true => Density::of(angles, &Welch::default()).ok(),
-                false => Density::of(&angles.part(first..first + examined), &Welch::default()).ok(),
+                true => Density::new(angles, &Welch::default()).ok(),
+                false => Density::new(&angles.part(first..first + examined), &Welch::default()).ok(),
             }
         };
         let Some(density) = of(&self.without) else { return };
@@ -245,7 +245,7 @@ impl<'a> Events<'a> {
         let event = |line: &Line| Event {
             size: Some(line.amplitude),
             frequency_hz: Some(line.frequency_hz),
-            ..Event::of(What::Line)
+            ..Event::new(What::Line)
         };
         self.list.extend(found.iter().map(event));
     }
@@ -265,7 +265,7 @@ fn spikes(angles: &Angles, outliers: &Outliers) -> Event {
         size: samples.iter().map(size).max_by(f64::total_cmp),
         samples: samples.first().zip(samples.last()).map(|(first, last)| [*first, last + 1]),
         count: samples.len(),
-        ..Event::of(What::Spikes)
+        ..Event::new(What::Spikes)
     }
 }
 
@@ -278,7 +278,7 @@ fn telegraph_of(angles: &Angles) -> Option<Event> {
         let time_s = found.blocks * block_s;
         let count = (samples as f64 * angles.step_s / time_s) as usize;
         let (size, time_s) = (Some(found.size), Some(time_s));
-        Some((gain, Event { size, time_s, count, ..Event::of(What::Telegraph) }))
+        Some((gain, Event { size, time_s, count, ..Event::new(What::Telegraph) }))
     };
     let found = BLOCKS.iter().filter(|blocks| **blocks <= samples).filter_map(|&blocks| at(blocks));
     found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, event)| event)
@@ -297,7 +297,7 @@ fn telegraph(angles: &Angles, steps: &[&Found]) -> Option<Event> {
         size: Some(0.5 * mean),
         time_s: Some(length_s / (steps.len() + 1) as f64),
         count: steps.len(),
-        ..Event::of(What::Telegraph)
+        ..Event::new(What::Telegraph)
     })
 }
 
@@ -308,18 +308,18 @@ fn event(angles: &Angles, Found { course, sizes }: &Found) -> Option<Event> {
     let last = angles.len() - 1;
     Some(match *course {
         Course::Step { at } => {
-            Event { size, samples: Some([at as usize, at as usize + 1]), ..Event::of(What::Step) }
+            Event { size, samples: Some([at as usize, at as usize + 1]), ..Event::new(What::Step) }
         }
         Course::Burst { from, to } => {
-            Event { size, samples: Some([from as usize, (to as usize).min(last)]), ..Event::of(What::Burst) }
+            Event { size, samples: Some([from as usize, (to as usize).min(last)]), ..Event::new(What::Burst) }
         }
         Course::Sine { cycles } => Event {
             size: Some(libm::hypot(sizes[0], sizes[1])),
             frequency_hz: Some(cycles / (last as f64 * step_s)),
-            ..Event::of(What::Sine)
+            ..Event::new(What::Sine)
         },
-        Course::WarmUp { time } => Event { size, time_s: Some(time * step_s), ..Event::of(What::WarmUp) },
-        Course::Temperature(other) => Event { size, other: Some(other), ..Event::of(What::Temperature) },
+        Course::WarmUp { time } => Event { size, time_s: Some(time * step_s), ..Event::new(What::WarmUp) },
+        Course::Temperature(other) => Event { size, other: Some(other), ..Event::new(What::Temperature) },
         Course::Line => return None,
     })
 }
@@ -355,7 +355,7 @@ fn readout_units(angles: &Angles) -> Option<Event> {
     };
     let is_large = unit.is_finite() && unit > MIN_UNIT * scatter;
     (is_large && differences.iter().all(is_whole))
-        .then(|| Event { size: Some(unit), ..Event::of(What::Units) })
+        .then(|| Event { size: Some(unit), ..Event::new(What::Units) })
 }
 
 /// Whether many neighbouring increments are equal, as of pulses that are larger than the noise of a sample.

@@ -1,7 +1,7 @@
 //! The power spectral density of a record, the lines in it, and the level of its white noise.
 //!
 //! ```text
-//! Angles, Welch ─ Density::of ─▶ Density ─ lines ─▶ Lines ─ Floor::of ─▶ Floor
+//! Angles, Welch ─ Density::new ─▶ Density ─ lines ─▶ Lines ─ Floor::new ─▶ Floor
 //! ```
 //!
 //! All densities are **one-sided**: their integral from 0 to half the sampling rate is the variance of the rate. White
@@ -22,13 +22,13 @@
 //! let rates: Vec<f64> = (0..8192).map(|i| scattered() + sine(i)).collect();
 //! let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
 //!
-//! let density = Density::of(&angles, &Welch::default())?;
+//! let density = Density::new(&angles, &Welch::default())?;
 //! assert_eq!((density.segment, density.segments), (1024, 15));
 //! let lines = lines(&density);
 //! assert_eq!(lines.len(), 1);
 //! assert!((lines[0].frequency_hz - 20.0).abs() < 3e-3 && (lines[0].amplitude - 3.0).abs() < 0.02);
 //! // Uniform numbers between 0 and 1 have the variance 1/12.
-//! let floor = Floor::of(&density, &lines).unwrap();
+//! let floor = Floor::new(&density, &lines).unwrap();
 //! assert!((floor.density / (2.0 * 0.01 / 12.0) - 1.0).abs() < 0.1);
 //! # Ok::<(), sagnac_records::spectrum::SpectrumError>(())
 //! ```
@@ -177,7 +177,7 @@ impl Density {
     ///
     /// # Errors
     /// The record is too short, or the requested segment does not fit.
-    pub fn of(angles: &Angles, asked: &Welch) -> Result<Density, SpectrumError> {
+    pub fn new(angles: &Angles, asked: &Welch) -> Result<Density, SpectrumError> {
         let step_s = angles.step_s;
         let solid = angles.bridged();
         let stretches: Vec<Range<usize>> = solid.runs.iter().map(|run| run.start..run.end - 1).collect();
@@ -302,7 +302,7 @@ fn powers(angles: &[f64], starts: &[usize], window: &[f64], trend: Trend) -> Vec
     let fft = FftPlanner::new().plan_fft_forward(length);
     let increments = |start: usize| {
         let increment = move |j: usize| angles[start + j + 1] - angles[start + j];
-        let line = Trendline::of(trend, length, increment);
+        let line = Trendline::new(trend, length, increment);
         move |j: usize| window[j] * (increment(j) - line.at(j))
     };
     let space = || {

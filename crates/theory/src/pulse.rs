@@ -169,7 +169,7 @@ pub fn mean_square(
     let pairs = pairs(difference);
     let mut sum = difference.coefficients().iter().map(|c| c * c).sum::<f64>() / 12.0;
     for (apart, weight) in (1..).zip(pairs) {
-        let increment = Increment::of(process, apart * m, lsb)?;
+        let increment = Increment::new(process, apart * m, lsb)?;
         let turns = mean_rate * process.sample_s * (apart * m) as f64 / lsb;
         sum += weight * increment.covariance(turns)?;
     }
@@ -213,7 +213,7 @@ struct Increment {
 }
 
 impl Increment {
-    fn of(process: &Process, n: u64, lsb: f64) -> Option<Increment> {
+    fn new(process: &Process, n: u64, lsb: f64) -> Option<Increment> {
         let mut sines = Vec::new();
         for part in &process.parts {
             match part.increment(process.sample_s, n) {

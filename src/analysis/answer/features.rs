@@ -70,7 +70,7 @@ const MAX_WORDS: usize = 5;
 pub(super) fn outline_of_minimum(question: &Question, x: &Column) -> Outline {
     let choices = question.choices();
     let curves = choices.iter().flat_map(|choice| choice.rows.iter().map(Vec::as_slice));
-    let notches = Notches::of(x, question.y, curves);
+    let notches = Notches::new(x, question.y, curves);
     let mut found = curves_at_least(question, x, &choices, |place| notches.are_at(place));
     sort_best_first(question, &mut found);
     let line = |least: &Least| {

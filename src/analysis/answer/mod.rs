@@ -252,7 +252,7 @@ pub(in crate::analysis) fn reading_of_limit(limit: Limit) -> Reading {
 /// The facts of a decision beside an answer; without a decision, on fillers that firmware cannot have.
 pub(crate) fn facts(study: &Study, tables: &Tables, decided: Option<&Sheet>, answer: &Answer) -> Vec<Fact> {
     let Some(sheet) = decided else {
-        let unusable = Bandless::of(study, &tables.points);
+        let unusable = Bandless::new(study, &tables.points);
         let caveat = |Bandless { names, why, .. }: Bandless| {
             Fact::caveat(format!("{}: designed for {why}", listed(&names)))
         };
@@ -393,7 +393,7 @@ impl<'t> Question<'t> {
             conditions,
             rows,
             limit,
-            unusable: Bandless::of(study, table),
+            unusable: Bandless::new(study, table),
         }
     }
 

@@ -129,7 +129,7 @@ impl Outlier {
 impl Found {
     /// The estimate that is pooled; `None` where the unit shows only a bound, or nothing.
     pub fn estimate(&self) -> Option<Estimate> {
-        Estimate::of(self.row.value?, self.row.interval?)
+        Estimate::new(self.row.value?, self.row.interval?)
     }
 
     /// The upper bound of a unit that does not show the coefficient.
@@ -224,7 +224,7 @@ impl Batch {
     ///
     /// # Errors
     /// There are fewer than two columns, their quantities differ, or two of them are the same record.
-    pub fn of(logs: Vec<log::Analysis>) -> Result<Batch, BatchError> {
+    pub fn new(logs: Vec<log::Analysis>) -> Result<Batch, BatchError> {
         let units: Vec<UnitColumn<'_>> = units(&logs).collect();
         let [(_, first), _, ..] = units[..] else { return Err(BatchError::TooFew(units.len())) };
         let names: Vec<(&Path, &str)> =

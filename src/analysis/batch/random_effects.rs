@@ -40,7 +40,7 @@ pub struct Estimate {
 impl Estimate {
     /// A value with its 95 % interval; `None` where these are not the value and the ends of a positive quantity. A lower end of 0
     /// says nothing of the logarithm, which then has the error above the value on both sides.
-    pub fn of(value: f64, [lower, upper]: [f64; 2]) -> Option<Estimate> {
+    pub fn new(value: f64, [lower, upper]: [f64; 2]) -> Option<Estimate> {
         let width = match lower > 0.0 {
             true => 0.5 * libm::log(upper / lower),
             false => libm::log(upper / value),
@@ -81,7 +81,7 @@ pub struct Pooled {
 /// assert!(batch.next[0] < 2.8 && 3.3 < batch.next[1]);
 /// ```
 pub fn pool(estimates: &[Estimate]) -> Option<Pooled> {
-    let mixture = Mixture::of(estimates)?;
+    let mixture = Mixture::new(estimates)?;
     let freedom = estimates.len() - 1;
     let middle = Part::at(estimates, freedom as f64);
     let spread = |square: f64| libm::sqrt(libm::expm1(square));
@@ -104,7 +104,7 @@ pub fn pool(estimates: &[Estimate]) -> Option<Pooled> {
 /// The probability that a unit like the `others`, with the error of `one`, is estimated lower than it; `None` for fewer than
 /// [`MIN_UNITS`] others.
 pub fn place(one: &Estimate, others: &[Estimate]) -> Option<f64> {
-    Some(Mixture::of(others)?.below(one.log, |part| part.variance + part.square + one.variance))
+    Some(Mixture::new(others)?.below(one.log, |part| part.variance + part.square + one.variance))
 }
 
 /// The batch for one τ².
@@ -174,7 +174,7 @@ fn scatter(estimates: &[Estimate], square: f64) -> (f64, f64, f64) {
 struct Mixture(Vec<(f64, Part)>);
 
 impl Mixture {
-    fn of(estimates: &[Estimate]) -> Option<Mixture> {
+    fn new(estimates: &[Estimate]) -> Option<Mixture> {
         let freedom = estimates.len().checked_sub(1).filter(|freedom| freedom + 1 >= MIN_UNITS)? as f64;
         let step = 2.0 * FARTHEST / f64::from(DEVIATES - 1);
         let deviates = (0..DEVIATES).map(|i| f64::from(i) * step - FARTHEST);
@@ -294,11 +294,11 @@ mod tests {
     fn an_interval_gives_the_error_of_a_logarithm() {
         let ends = [-WITHIN_95, WITHIN_95].map(|z| 3.0 * libm::exp(0.1 * z));
         for ends in [ends, [0.0, ends[1]]] {
-            let found = Estimate::of(3.0, ends).unwrap();
+            let found = Estimate::new(3.0, ends).unwrap();
             assert!((found.variance - 0.01).abs() < 1e-12 && found.log == libm::log(3.0), "{found:?}");
         }
         for (value, ends) in [(0.0, [0.0, 1.0]), (1.0, [0.5, f64::INFINITY]), (1.0, [0.0, 0.5])] {
-            assert_eq!(Estimate::of(value, ends), None);
+            assert_eq!(Estimate::new(value, ends), None);
         }
     }
 }

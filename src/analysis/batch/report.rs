@@ -381,7 +381,7 @@ pub fn coefficients(batch: &Batch) -> Option<Figure> {
         subtitle: Some(found(batch)),
         x: Axis { scale: Scale::Linear, whole: true, names: batch.labels.clone(), ..Axis::new("unit", "") },
         y,
-        colours: Grouping::of("coefficients", shown.iter().map(|(one, ..)| one.title())),
+        colours: Grouping::new("coefficients", shown.iter().map(|(one, ..)| one.title())),
         bands: "95 % intervals".to_owned(),
         laws: vec![Law {
             label: "95 % prediction interval".to_owned(),

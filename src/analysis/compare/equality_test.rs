@@ -211,7 +211,7 @@ impl Fits {
     ///
     /// # Errors
     /// A curve cannot be fitted, or is described over no range of τ.
-    pub(crate) fn of([a, b]: [&Events; 2], asked: &Fitting) -> Result<Fits, FitError> {
+    pub(crate) fn new([a, b]: [&Events; 2], asked: &Fitting) -> Result<Fits, FitError> {
         let (a, b) = rayon::join(|| Noise::of(a, asked), || Noise::of(b, asked));
         let mut noise = [a?, b?];
         if !asked.is_forced && noise.iter().any(|one| !one.described.is_described) {

@@ -138,7 +138,7 @@ pub(crate) type Sampling = (f64, usize);
 
 impl Common {
     /// The octaves of the record with the longer step, as far as both records extend.
-    pub(crate) fn of(a: Sampling, b: Sampling) -> Common {
+    pub(crate) fn new(a: Sampling, b: Sampling) -> Common {
         let swapped = a.0 < b.0;
         let ((long, samples), (short, others)) = if swapped { (b, a) } else { (a, b) };
         let longest = |samples: usize| Deviation::Oadev.largest_factor(samples + 1);
@@ -176,7 +176,7 @@ pub struct Ratio {
 
 impl Ratio {
     /// The ratio of the variances of Gaussian noise has the F distribution with their equivalent degrees of freedom.
-    pub(crate) fn of(a: Point, b: Point) -> Ratio {
+    pub(crate) fn new(a: Point, b: Point) -> Ratio {
         let positive = |point: &Point| point.value.filter(|value| *value > 0.0);
         let value = positive(&a).zip(positive(&b)).map(|(a, b)| b / a);
         let degrees = b.edf.zip(a.edf);
@@ -286,28 +286,28 @@ mod ratio_tests {
 
     #[test]
     fn equal_steps_have_the_octaves_of_the_shorter_record() {
-        let common = Common::of((1.0, 1000), (1.0, 100));
+        let common = Common::new((1.0, 1000), (1.0, 100));
         assert_eq!(common.factors, [[1, 1], [2, 2], [4, 4], [8, 8], [16, 16], [32, 32]]);
         assert_eq!((common.left_out, common.farthest), (0, 0.0));
     }
 
     #[test]
     fn a_multiple_of_a_step_has_its_octaves_whichever_record_comes_first() {
-        let common = Common::of((0.01, 1000), (0.1, 64));
+        let common = Common::new((0.01, 1000), (0.1, 64));
         assert_eq!(common.factors, [[10, 1], [20, 2], [40, 4], [80, 8], [160, 16], [320, 32]]);
-        assert_eq!(Common::of((0.1, 64), (0.01, 1000)).factors[1], [2, 20]);
+        assert_eq!(Common::new((0.1, 64), (0.01, 1000)).factors[1], [2, 20]);
         // Steps of two clocks that differ by 20 ppm.
-        assert_eq!(Common::of((0.01, 1000), (0.100_002, 64)).farthest, 0.0);
+        assert_eq!(Common::new((0.01, 1000), (0.100_002, 64)).farthest, 0.0);
     }
 
     #[test]
     fn other_rates_meet_within_two_percent_or_not_at_all() {
-        let common = Common::of((1.0, 4096), (1.3, 4096));
+        let common = Common::new((1.0, 4096), (1.3, 4096));
         assert!(common.left_out > 0 && common.farthest > SAME, "{common:?}");
         for [a, b] in &common.factors {
             let apart = (*a as f64 / (1.3 * *b as f64) - 1.0).abs();
             assert!(apart <= NEAREST && b.is_power_of_two(), "{a} and {b}");
         }
-        assert!(Common::of((1.0, 100), (64.0, 100)).factors.is_empty());
+        assert!(Common::new((1.0, 100), (64.0, 100)).factors.is_empty());
     }
 }

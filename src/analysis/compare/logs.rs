@@ -88,7 +88,7 @@ impl Side {
     }
 
     /// The only column of `log`, and its record without events; of several columns, `proposed` names one of each log.
-    fn of(
+    fn new(
         (path, log): (&Path, &Log),
         proposed: &str,
         treatment: &Treatment,
@@ -116,8 +116,8 @@ impl Analysis {
         let mut firsts: Vec<&str> = logs.iter().filter_map(|(_, log)| names(log).first().copied()).collect();
         firsts.dedup();
         let proposed = firsts.join(",");
-        let (mut a, of_a) = Side::of(logs[0], &proposed, treatment)?;
-        let (mut b, of_b) = Side::of(logs[1], &proposed, treatment)?;
+        let (mut a, of_a) = Side::new(logs[0], &proposed, treatment)?;
+        let (mut b, of_b) = Side::new(logs[1], &proposed, treatment)?;
         let unit = a.column().unit;
         if unit != b.column().unit {
             let units = [unit, b.column().unit];
@@ -252,7 +252,7 @@ impl<'a> Judged<'a> {
                 [None, None] => unknown(format!("the records do not determine the ratio of {name}")),
                 ends => {
                     let part = |end: Option<f64>, without: f64| end.map_or(without, |end| end / limit.most);
-                    let standing = Standing::of([part(ends[0], 0.0), part(ends[1], f64::INFINITY)]);
+                    let standing = Standing::new([part(ends[0], 0.0), part(ends[1], f64::INFINITY)]);
                     Judged { limit, ratio: found.ratio, ends, why: None, standing }
                 }
             },

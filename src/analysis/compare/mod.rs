@@ -116,7 +116,7 @@ pub fn compare(a: &Events, b: &Events, fitting: Option<&Fitting>) -> Result<Comp
     let events = [a, b];
     let records = events.map(|events| &*events.without);
     let sampling = records.map(|angles| (angles.step_s, angles.len().saturating_sub(1)));
-    let common = Common::of(sampling[0], sampling[1]);
+    let common = Common::new(sampling[0], sampling[1]);
     if common.factors.is_empty() {
         let longest =
             records.map(|angles| Deviation::Oadev.largest_factor(angles.len()) as f64 * angles.step_s);
@@ -125,7 +125,7 @@ pub fn compare(a: &Events, b: &Events, fitting: Option<&Fitting>) -> Result<Comp
     let factors = |i: usize| common.factors.iter().map(|pair| pair[i]).collect::<Vec<usize>>();
     let ((curve_a, points_a), (curve_b, points_b)) =
         rayon::join(|| points(records[0], &factors(0)), || points(records[1], &factors(1)));
-    let ratios: Vec<Ratio> = points_a.into_iter().zip(points_b).map(|(a, b)| Ratio::of(a, b)).collect();
+    let ratios: Vec<Ratio> = points_a.into_iter().zip(points_b).map(|(a, b)| Ratio::new(a, b)).collect();
     let found = fitting.map(|asked| of_fits(events, asked, &ratios)).transpose();
     let (differences, by_fits, fits) = match found {
         Ok(None) => (Ok(vec![]), None, None),
@@ -156,7 +156,7 @@ fn of_fits(
     asked: &Fitting,
     ratios: &[Ratio],
 ) -> Result<(Vec<Difference>, Option<Same>, Fits), FitError> {
-    let fits = Fits::of(events, asked)?;
+    let fits = Fits::new(events, asked)?;
     let records = events.map(|events| &*events.without);
     // A gap costs as much information as the samples missing in it.
     let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));

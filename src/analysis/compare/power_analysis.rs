@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::equality_test::two;
-use sagnac_records::allan::Spread;
+use sagnac_records::allan::Overdispersion;
 use sagnac_records::fit::curve::factors;
 use sagnac_records::fit::{Curve, Fit, Quantity, Terms, fit_record};
 use sagnac_theory::allan::{Difference, Estimator, Part, Process, Term, flicker};
@@ -112,7 +112,7 @@ impl Search<'_> {
 pub(crate) fn expected(
     process: &Process,
     samples: u64,
-    spread: Spread,
+    spread: Overdispersion,
     from_s: f64,
     terms: &Terms,
 ) -> Option<Fit> {

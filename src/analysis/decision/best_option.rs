@@ -63,7 +63,7 @@ impl<'t> Choice<'t> {
     ///
     /// # Errors
     /// The table lacks a column that a chart requires.
-    pub(crate) fn of(study: &Study, tables: &'t Tables) -> Result<Option<Choice<'t>>, ColumnError> {
+    pub(crate) fn new(study: &Study, tables: &'t Tables) -> Result<Option<Choice<'t>>, ColumnError> {
         let Some(Judged { source, table, column, limit, filter }) = judged(study, tables)? else {
             return Ok(None);
         };
@@ -86,7 +86,7 @@ impl<'t> Choice<'t> {
         let by: Vec<&Column> =
             by.into_iter().filter(|by| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]])).collect();
         let (given, chosen): (Vec<&Column>, Vec<&Column>) = by.into_iter().partition(|by| is_given(by));
-        let bandless = Bandless::of(study, table);
+        let bandless = Bandless::new(study, table);
         let is_known = |row: usize| bandless.as_ref().is_some_and(|bandless| bandless.has(row));
         let left_out: Vec<String> = match rows.iter().all(|&row| is_known(row)) {
             true => vec![],
@@ -100,7 +100,7 @@ impl<'t> Choice<'t> {
         let (condition_of, option_of) = (naming(&given), naming(&chosen));
         let notches = abscissa.map_or_else(Notches::default, |x| {
             let curves = grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
-            Notches::of(x, column, curves.iter().map(|(_, rows)| &rows[..]))
+            Notches::new(x, column, curves.iter().map(|(_, rows)| &rows[..]))
         });
         // A coefficient that records do not show has no error, and meets no limit.
         let value = |row: usize| column.magnitude(row);
@@ -292,7 +292,7 @@ pub(crate) struct Bandless<'a> {
 }
 
 impl<'a> Bandless<'a> {
-    pub(crate) fn of(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
+    pub(crate) fn new(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
         let column = table.listed_by(FILLERS)?;
         let fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
         let (tuning, names) = tuned(study, fill)?;

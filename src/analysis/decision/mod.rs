@@ -27,7 +27,7 @@ use sagnac_base::table::{ColumnError, Unit};
 use sagnac_engine::chart::{Limit, Source};
 use sagnac_engine::device::{Cpu, Device};
 use sagnac_engine::key::Key;
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::run::{Plan, RunError, Tables};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
@@ -77,7 +77,7 @@ impl From<(f64, Option<(f64, f64)>)> for Figure {
 /// # Errors
 /// The table lacks a column.
 pub fn judge(study: &Study, tables: &Tables) -> Result<Option<Sheet>, DecisionError> {
-    Ok(Choice::of(study, tables)?.map(|choice| Sheet::new(&choice)))
+    Ok(Choice::new(study, tables)?.map(|choice| Sheet::new(&choice)))
 }
 
 /// The whole decision sheet of a study; `None` where it judges no error. `progress` receives the evaluations.
@@ -89,7 +89,7 @@ pub fn decide(
     tables: &Tables,
     progress: &dyn Progress,
 ) -> Result<Option<Sheet>, DecisionError> {
-    let Some(choice) = Choice::of(study, tables)? else { return Ok(None) };
+    let Some(choice) = Choice::new(study, tables)? else { return Ok(None) };
     let sheet = Sheet::new(&choice);
     if choice.source != Source::Points {
         return Ok(Some(sheet));
@@ -114,9 +114,9 @@ pub fn decide(
 /// The point is not a valid one or cannot be represented, or no threads can be started.
 pub(crate) fn decide_at(
     study: &Study,
-    swept: &[(&'static Key, Swept)],
+    swept: &[(&'static Key, SweepValue)],
 ) -> Result<Option<Sheet>, DecisionError> {
-    let (keys, point): (Vec<&'static Key>, Vec<Swept>) = swept.iter().cloned().unzip();
+    let (keys, point): (Vec<&'static Key>, Vec<SweepValue>) = swept.iter().cloned().unzip();
     let mut study = study.at_points(&keys, &[point])?;
     study.trials = study.trials.min(MAX_TRIALS);
     let plan = Plan::new(&study)?;

@@ -8,7 +8,7 @@ use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::Table;
 use sagnac_engine::drift::{End, INTERVAL};
 use sagnac_engine::key::Key;
-use sagnac_engine::key::sweep::{Sweep, Swept};
+use sagnac_engine::key::sweep::{Sweep, SweepValue};
 use sagnac_engine::kinds::lock_in::{FREQUENCY, LockInStudy, SCALE_FACTOR, THRESHOLD};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
@@ -60,18 +60,18 @@ pub(super) struct Change {
 /// The chosen point: the values of its swept keys.
 pub(super) struct Place<'a> {
     study: &'a Study,
-    pub(super) swept: Vec<(&'static Key, Swept)>,
+    pub(super) swept: Vec<(&'static Key, SweepValue)>,
     /// Names of the swept keys that are conditions.
     conditions: Vec<&'static str>,
     /// The swept values under each condition; empty where a lever is not tried under all of them.
-    everywhere: Vec<Vec<(&'static Key, Swept)>>,
+    everywhere: Vec<Vec<(&'static Key, SweepValue)>>,
     /// Place of the chosen point among them.
     at: Option<usize>,
     point: usize,
 }
 
 impl<'a> Place<'a> {
-    pub(super) fn of(study: &'a Study, table: &Table, choice: &Choice) -> Place<'a> {
+    pub(super) fn new(study: &'a Study, table: &Table, choice: &Choice) -> Place<'a> {
         let swept = |row: usize| {
             let value = |sweep: &Sweep| {
                 let shown = &table.column(sweep.key.name).ok()?.cells[row];
@@ -139,7 +139,7 @@ impl<'a> Place<'a> {
     /// The judged estimate under one condition with some values of one input.
     pub(super) fn values(
         &self,
-        swept: &[(&'static Key, Swept)],
+        swept: &[(&'static Key, SweepValue)],
         input: &Input,
         values: &[Quantity],
         column: &str,
@@ -147,7 +147,7 @@ impl<'a> Place<'a> {
         effort: Effort,
     ) -> Result<Option<Vec<Value>>, DecisionError> {
         let keys: Vec<&'static Key> = others(swept, input).map(|(key, _)| *key).chain([input.key]).collect();
-        let points: Vec<Vec<Swept>> = values.iter().map(|value| moved(swept, input, *value)).collect();
+        let points: Vec<Vec<SweepValue>> = values.iter().map(|value| moved(swept, input, *value)).collect();
         let study = self.study.at_points(&keys, &points)?;
         evaluator.values(&study, points.len(), column, effort)
     }
@@ -177,7 +177,7 @@ impl<'a> Place<'a> {
     ) -> Result<Option<(usize, f64)>, DecisionError> {
         let Some(first) = self.everywhere.first() else { return Ok(None) };
         let keys: Vec<&'static Key> = others(first, input).map(|(key, _)| *key).chain([input.key]).collect();
-        let points: Vec<Vec<Swept>> =
+        let points: Vec<Vec<SweepValue>> =
             self.everywhere.iter().map(|swept| moved(swept, input, value)).collect();
         let found = self
             .study
@@ -222,7 +222,7 @@ impl<'a> Place<'a> {
     /// safe side. The change is `least` or larger, as a logarithm.
     fn needed_at(
         &self,
-        swept: &[(&'static Key, Swept)],
+        swept: &[(&'static Key, SweepValue)],
         change: &Change,
         least: f64,
         limit: f64,
@@ -258,15 +258,15 @@ impl<'a> Place<'a> {
 
 /// The swept values without that of an input.
 fn others<'s>(
-    swept: &'s [(&'static Key, Swept)],
+    swept: &'s [(&'static Key, SweepValue)],
     input: &'s Input,
-) -> impl Iterator<Item = &'s (&'static Key, Swept)> {
+) -> impl Iterator<Item = &'s (&'static Key, SweepValue)> {
     swept.iter().filter(|(key, _)| !std::ptr::eq(*key, input.key))
 }
 
 /// The swept values of a point with a value of an input, which comes last.
-fn moved(swept: &[(&'static Key, Swept)], input: &Input, value: Quantity) -> Vec<Swept> {
-    others(swept, input).map(|(_, value)| value.clone()).chain([Swept::Quantity(value)]).collect()
+fn moved(swept: &[(&'static Key, SweepValue)], input: &Input, value: Quantity) -> Vec<SweepValue> {
+    others(swept, input).map(|(_, value)| value.clone()).chain([SweepValue::Quantity(value)]).collect()
 }
 
 /// Whether a point is of runs with an exact end.
@@ -353,7 +353,7 @@ pub(crate) fn lever(
     if choice.is_notched {
         return Ok(None);
     }
-    let at = Place::of(study, table, choice);
+    let at = Place::new(study, table, choice);
     let judged = &choice.column.name;
     let limit = choice.limit.filter(|limit| choice.value() > limit.value);
     let Some(tried) = at.tried(&mean_square(table, choice.column).name, evaluator) else {

@@ -135,7 +135,7 @@ pub struct Cost {
 
 impl Cost {
     /// The cost of a filler that reads these ticks.
-    pub(crate) fn of(filler: &Filler, fill: &Fill, inputs: &Inputs) -> Cost {
+    pub(crate) fn new(filler: &Filler, fill: &Fill, inputs: &Inputs) -> Cost {
         Cost {
             latency_s: f64::from(latency_ticks(&fill.fit_ticks, inputs.gap_ticks)) * inputs.tick_s,
             memory: Memory::of_filler(filler, fill, inputs.gap_ticks),
@@ -215,7 +215,7 @@ pub(crate) fn constrained(
     let Some(fill) = &runs.points[0].fill else {
         return if constraints.are_given() { Err(DesignError::NoFillers) } else { Ok(vec![]) };
     };
-    let cost = |(filler, own): (&Filler, &Fill)| Cost::of(filler, own, &fill.inputs);
+    let cost = |(filler, own): (&Filler, &Fill)| Cost::new(filler, own, &fill.inputs);
     let costs: Vec<Cost> = runs.fillers().iter().zip(fill.fills.iter()).map(cost).collect();
     let broken: Vec<String> = costs.iter().map(|cost| constraints.broken_by(*cost).join(" and ")).collect();
     for (filler, why) in runs.fillers().iter().zip(&broken).filter(|(_, why)| !why.is_empty()) {

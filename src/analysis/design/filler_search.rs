@@ -135,7 +135,7 @@ impl Sought {
     fn at(self, inputs: &Inputs) -> (Filler, Fill) {
         let fit_ticks = ticks_at(inputs.gap_ticks, self.before, self.after);
         let own = ticks_at(inputs.gap_ticks, self.before, 0);
-        let target = Target::of(self.band, inputs.specification.as_ref());
+        let target = Target::new(self.band, inputs.specification.as_ref());
         let filler = Filler { name: String::new(), method: Method::MinimumVariance(target) };
         (filler, Fill { fit_ticks, extrapolation_ticks: Some(own) })
     }
@@ -143,7 +143,7 @@ impl Sought {
     /// Whether a motion determines its weights.
     fn is_determined(self, inputs: &Inputs) -> bool {
         let (filler, fill) = self.at(inputs);
-        Rows::of(&filler, Error::Residual, &fill.fit_ticks, &Statistics::of(inputs)).is_ok()
+        Rows::new(&filler, Error::Residual, &fill.fit_ticks, &Statistics::new(inputs)).is_ok()
     }
 
     /// The filler as a study writes it, with a name that is not `known` yet.
@@ -174,7 +174,7 @@ fn candidates(inputs: &Inputs, constraints: &Constraints, band: Option<Band>) ->
     all.map(|one| {
         let sought = Sought { before: one.before, after: one.after, band };
         let (filler, fill) = sought.at(inputs);
-        (sought, one.level, Cost::of(&filler, &fill, inputs))
+        (sought, one.level, Cost::new(&filler, &fill, inputs))
     })
     .filter(|(.., cost)| constraints.meets(*cost))
     .collect()

@@ -67,7 +67,7 @@ use sagnac_base::quantity::number::short;
 use sagnac_engine::device::{Device, GpuError, Job};
 use sagnac_engine::drift::{End, INTERVAL};
 use sagnac_engine::key::Unrepresentable;
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::switched_run::lower::FilledRun;
 use sagnac_engine::kinds::switched_run::point::Point as RunPoint;
 use sagnac_engine::kinds::switched_run::run::late;
@@ -267,7 +267,7 @@ pub(crate) fn parts(
 }
 
 /// The values of the swept keys other than the interval, in the order of the sweeps.
-pub(crate) type Values = Vec<(&'static str, Swept)>;
+pub(crate) type Values = Vec<(&'static str, SweepValue)>;
 
 /// The runs of each variant, in the order of the sweeps; a single one where only the interval is swept. The points of a
 /// variant differ in the interval alone.
@@ -381,7 +381,7 @@ pub enum DesignError {
 
 impl DesignError {
     /// The error of a variant with these values of swept keys.
-    pub(crate) fn of_variant(self, swept: &[(&'static str, Swept)]) -> DesignError {
+    pub(crate) fn of_variant(self, swept: &[(&'static str, SweepValue)]) -> DesignError {
         let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         match self {
             DesignError::Gpu(_) => self,

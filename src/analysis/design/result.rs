@@ -7,7 +7,7 @@ use crate::analysis::jackknife::{T_95, of_halves};
 use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::{Column, Unit};
 use sagnac_engine::drift::INTERVAL;
-use sagnac_engine::key::sweep::{Sweep, Swept};
+use sagnac_engine::key::sweep::{Sweep, SweepValue};
 use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::Reading;
@@ -107,7 +107,7 @@ impl Filler {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
     /// Name of each of these keys with its value, in the order of the sweeps; empty where none is swept.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Run time t, s.
     pub duration_s: f64,
     /// Non-magnetic drift, ″/s, which is part of the drift but not of the choice of an interval.
@@ -167,7 +167,7 @@ impl Design {
         let keys = self.keys();
         let swept =
             keys.iter().zip(&self.variant().swept).map(|(sweep, (_, value))| (sweep.key, value.clone()));
-        let point: Vec<_> = swept.chain([(&INTERVAL, Swept::Quantity(interval))]).collect();
+        let point: Vec<_> = swept.chain([(&INTERVAL, SweepValue::Quantity(interval))]).collect();
         let judged = self.judged();
         let mut sheet = match judged.contains(&false) {
             false => decide_at(&self.study, &point)?,
@@ -261,8 +261,9 @@ impl Design {
 
     /// Names a choice: its filler and the values of swept keys, such as `quadratic, time constant of the loop 3 ms`.
     pub(crate) fn named(&self, variant: &Variant, filler: &Filler) -> String {
-        let value =
-            |value: &Swept| value.quantity().map_or_else(|| value.to_string(), |quantity| short(quantity, 6));
+        let value = |value: &SweepValue| {
+            value.quantity().map_or_else(|| value.to_string(), |quantity| short(quantity, 6))
+        };
         let keys = self.keys();
         let swept = keys.iter().zip(&variant.swept);
         let swept = swept.map(|(sweep, (_, swept))| format!("{} {}", sweep.key.label, value(swept)));

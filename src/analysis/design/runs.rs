@@ -127,7 +127,7 @@ fn of_parts(
     let which = usize::from(measure.is_largest());
     let estimate = &filled.estimates[which];
     let value = |tally: &Moments| -> Option<Found> {
-        let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
+        let found = Estimates::new(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
         match measure {
             Measure::DriftRms | Measure::LargestRms => {
                 let around = |se: f64| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se);

@@ -120,7 +120,7 @@ impl Dynamic {
     ///
     /// # Errors
     /// The window is too short or too long.
-    pub fn of(log: &Log, treatment: &Treatment, window_s: Option<f64>) -> Result<Dynamic, DynamicError> {
+    pub fn new(log: &Log, treatment: &Treatment, window_s: Option<f64>) -> Result<Dynamic, DynamicError> {
         let (samples, step_s) = (log.samples(), log.step_s);
         let length_s = samples as f64 * step_s;
         let usual_s = (length_s / USUAL_PARTS).max(MIN_WINDOW as f64 * step_s);

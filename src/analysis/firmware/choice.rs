@@ -10,7 +10,7 @@ use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, Quantity, parse as parse_quantity};
 use sagnac_engine::filler::Filler;
-use sagnac_engine::key::sweep::{Sweep, Swept};
+use sagnac_engine::key::sweep::{Sweep, SweepValue};
 use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::kinds::gap_fill::inputs::Point;
 use sagnac_engine::study::Study;
@@ -131,7 +131,7 @@ fn values(sweep: &Sweep) -> String {
 
 /// The values of a sweep as quantities, which the swept keys of fillers hold.
 fn quantities(sweep: &Sweep) -> Vec<Quantity> {
-    sweep.values.iter().filter_map(Swept::quantity).collect()
+    sweep.values.iter().filter_map(SweepValue::quantity).collect()
 }
 
 /// A value with its unit, as in reports.

@@ -8,7 +8,7 @@ use sagnac_engine::chart::Chart;
 use sagnac_engine::filler::read::{Error, GAP_TICKS};
 use sagnac_engine::filler::{Fill, Filler, Method, Part, Target, latency_ticks};
 use sagnac_engine::key::Key;
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::gap_fill::GapFill;
 use sagnac_engine::kinds::gap_fill::columns::{Judge, Judged, of_noise, shift};
 use sagnac_engine::kinds::gap_fill::inputs::{Inputs, Point};
@@ -25,7 +25,7 @@ pub struct Firmware {
     /// Title of the study.
     pub title: String,
     /// Value of each swept key.
-    pub at: Vec<(&'static Key, Swept)>,
+    pub at: Vec<(&'static Key, SweepValue)>,
     /// The swept keys of which no value was asked for, each with the number of its values, as the weights are the same at all.
     pub unasked: Vec<(&'static Key, usize)>,
     /// Tick T, s; where it is unknown, times are in ticks and frequencies in cycles per tick.
@@ -237,13 +237,13 @@ pub fn rules(
     point: &Point,
     fillers: &[Filler],
 ) -> Result<Vec<(Rule, Option<Rule>)>, StudyError> {
-    let statistics = Statistics::of(&point.inputs);
+    let statistics = Statistics::new(&point.inputs);
     let mut rules = Vec::new();
     for filler in fillers {
         let Some(fill) = fill_of(study, point, filler) else { continue };
         let rule = |error, ticks: &[i32]| {
             let rows = match Rows::by_tick(filler, error, ticks, &statistics) {
-                Ok(None) => Rows::of(filler, error, ticks, &statistics),
+                Ok(None) => Rows::new(filler, error, ticks, &statistics),
                 by_tick => by_tick,
             };
             let rows = rows.map_err(|refusal| study.refused(&point.swept, &refusal))?;

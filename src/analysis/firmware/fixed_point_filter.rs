@@ -220,7 +220,7 @@ impl Firmware {
             x: Axis::new("vibration frequency", frequency_unit),
             y: Axis::new("error amplitude per rate amplitude", error_unit),
             colours: Grouping { title: "filler".to_owned(), entries: entries.collect() },
-            dashes: Grouping::of("error", errors),
+            dashes: Grouping::new("error", errors),
             lines: "closed form".to_owned(),
             series,
             laws,

@@ -112,8 +112,8 @@ impl Trade {
             ticks.clamp(0.0, f64::from(MAX_AFTER)) as u32
         });
         let judge = Judge::new(inputs, MAX_SIDE);
-        let target = Target::of(band, inputs.specification.as_ref());
-        let design: &TickRows = &Statistics::of(inputs).motion(&target, MAX_SIDE);
+        let target = Target::new(band, inputs.specification.as_ref());
+        let design: &TickRows = &Statistics::new(inputs).motion(&target, MAX_SIDE);
         let candidate = |(after, before): (u32, u32)| {
             let ticks = ticks_at(n, before, after);
             let weights = minimum_variance_weights(&ticks, n, design, &inputs.noise_covariance())?;
@@ -172,7 +172,7 @@ impl Trade {
             subtitle: Some(format!("worst case of {}", deviation(self.shift))),
             x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
             y: Axis::new("99.73 % residual", "″"),
-            colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
+            colours: Grouping::new("ticks after (latency)", each.clone().map(name)),
             series: each.enumerate().map(of).collect(),
             limit: limit.map(|value| Limit { value, label: format!("limit {}″", significant(value, 6)) }),
             marks: vec![Mark {

@@ -50,7 +50,7 @@ pub(crate) fn per_unit(
 /// The columns of a log as the colours of a chart.
 pub(crate) fn of_columns(names: impl Iterator<Item = String>) -> Grouping {
     let names: Vec<String> = names.collect();
-    Grouping::of(if names.len() > 1 { "columns" } else { "column" }, names)
+    Grouping::new(if names.len() > 1 { "columns" } else { "column" }, names)
 }
 
 /// The figure of the `wanted` deviations of the columns of a unit; `None` without any.
@@ -68,7 +68,7 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
     let several = all.len() > 1;
     let columns = all.iter().map(|column| column.name.clone());
     let columns = of_columns(columns);
-    let names = Grouping::of("deviations", names);
+    let names = Grouping::new("deviations", names);
     // With one column, colours distinguish the deviations instead of the columns.
     let (colours, dashes) = match (others.is_empty(), several) {
         (true, false) => (Grouping::default(), Grouping::default()),

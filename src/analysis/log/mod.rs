@@ -24,8 +24,8 @@ use crate::analysis::temperature::{MIN_CHANGE, smoothing};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::{
-    Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, curve,
-    minimum, suppose,
+    Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Overdispersion, Point, TauError, Taus, Trend, Unit,
+    curve, minimum, suppose,
 };
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
@@ -140,7 +140,7 @@ pub struct Column {
     /// Mean rate or acceleration in the unit of the curve; absent for plain numbers that are not rates.
     pub mean_rate: Option<f64>,
     /// Deviations of its estimates beyond those of Gaussian noise, which intervals contain.
-    pub spread: Spread,
+    pub spread: Overdispersion,
     /// Removed slope, in the unit of the curve per s.
     pub slope: f64,
     /// Curves, one for each deviation.
@@ -296,7 +296,7 @@ impl Treatment {
         temperatures: &[Vec<f64>],
     ) -> Events<'a> {
         let none = Outliers::default();
-        Events::of(angles, if self.outliers_removed { &none } else { outliers }, temperatures)
+        Events::new(angles, if self.outliers_removed { &none } else { outliers }, temperatures)
     }
 
     /// Time of a sample from the start of the file, s.
@@ -455,7 +455,7 @@ pub fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
     }
     let block = log.samples().div_ceil(smoothing::MAX_BLOCKS);
     let course = |(name, measured): &(String, Vec<f64>)| {
-        let course = Course::of(measured, block);
+        let course = Course::new(measured, block);
         let course = if log.data == Data::Angle { course.midway() } else { course };
         let known: Vec<f64> = course.values.iter().copied().filter(|x| x.is_finite()).collect();
         let mean = known.iter().sum::<f64>() / known.len() as f64;
@@ -525,7 +525,7 @@ fn column(
         events = events.kept(&recorded);
     }
     let noise =
-        request.fitting.as_ref().map(|request| DataSheet::of(&events, request, unit, simulated)).transpose();
+        request.fitting.as_ref().map(|request| DataSheet::new(&events, request, unit, simulated)).transpose();
     Ok(Column { curves, events: listed(events.list, &noise), noise, ..column })
 }
 

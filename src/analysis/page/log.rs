@@ -13,7 +13,7 @@ use crate::analysis::spectrum::{Analysis, NoSpectrum, report as of_spectra};
 use crate::analysis::temperature::{self, Temperature};
 use sagnac_base::quantity::number::{significant, with_unit};
 use sagnac_base::table::titled;
-use sagnac_records::allan::{Deviation, Spread, Unit};
+use sagnac_records::allan::{Deviation, Overdispersion, Unit};
 use sagnac_records::fit::{Fit, Terms, Verdict};
 use sagnac_records::record::log::Log;
 use sagnac_report::answer::Answer;
@@ -181,7 +181,7 @@ fn longer_record(noise: &Noise, column: &Column) -> Option<String> {
 }
 
 /// Whether the mean curve of records of this length shows a bias instability b besides the other terms of a fit.
-fn is_shown(fit: &Fit, b: f64, samples: f64, terms: &Terms, spread: Spread) -> bool {
+fn is_shown(fit: &Fit, b: f64, samples: f64, terms: &Terms, spread: Overdispersion) -> bool {
     let others = fit.process.parts.iter().filter(|part| part.term != Term::BiasInstability);
     let part = Term::BiasInstability.part(b * b, 1.0, 1);
     let process = Process { parts: others.copied().chain([part]).collect(), ..fit.process };

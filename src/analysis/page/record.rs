@@ -55,7 +55,7 @@ pub(crate) fn section(
         let Column { outliers, gaps, events, .. } = one.column;
         let Treatment { events_removed, outliers_removed, .. } = one.analysis.treatment;
         let removed = removed(outliers, outliers_removed, if events_removed { events } else { &[] });
-        Recorded::of(one.name, one.log, one.channel, outliers, gaps, removed)
+        Recorded::new(one.name, one.log, one.channel, outliers, gaps, removed)
     });
     let mut blocks = charts(&recorded.collect::<Vec<_>>(), called);
     blocks.push(Block::Facts(facts(sources, treatment)));
@@ -283,7 +283,7 @@ fn removed(outliers: &Outliers, are_outliers_removed: bool, events: &[Event]) ->
 }
 
 impl<'a> Recorded<'a> {
-    fn of(
+    fn new(
         name: &'a str,
         log: &'a Log,
         channel: &'a Channel,
@@ -380,7 +380,7 @@ mod record_tests {
         gaps.iter().for_each(|gap| values[gap.clone()].fill(f64::NAN));
         let log = Log::of_column("gz", Data::Rate, unit, 0.5, values);
         let outliers = Outliers { samples: vec![31], ..Outliers::default() };
-        let one = Recorded::of("gz", &log, &log.channels[0], &outliers, &gaps, vec![31]);
+        let one = Recorded::new("gz", &log, &log.channels[0], &outliers, &gaps, vec![31]);
         let points = [0.0, 8.0].map(|y| SeriesPoint { x: 0.0, y, band: None, key: None }).into();
         let series = [Series { colour: 0, dash: 0, points, law: vec![] }];
         let [missing, removed] = &marks(&[(0, &one)], &series, 1.0, 10)[..] else { panic!() };
@@ -419,7 +419,7 @@ mod record_tests {
             };
             let outliers = Outliers { threshold: 1.0, ..Outliers::default() };
             let recorded =
-                log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[], vec![]));
+                log.channels.iter().map(|one| Recorded::new(&one.name, &log, one, &outliers, &[], vec![]));
             let axes: Vec<(String, String)> = charts(&recorded.collect::<Vec<_>>(), "columns")
                 .into_iter()
                 .map(|block| match block {

@@ -8,7 +8,7 @@ use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::{Limit, Limited};
 use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit};
-use sagnac_records::allan::{Spread, Unit as Curves};
+use sagnac_records::allan::{Overdispersion, Unit as Curves};
 use sagnac_records::fit::{Fit, Quantity, Term, Terms};
 use sagnac_report::answer::{Alternative, Fact, Reading};
 
@@ -32,7 +32,7 @@ pub struct Subject<'a> {
     /// Time from sample to sample, s.
     pub step_s: f64,
     /// Deviations of its estimates beyond those of Gaussian noise.
-    pub spread: &'a Spread,
+    pub spread: &'a Overdispersion,
 }
 
 impl<'a> Subject<'a> {
@@ -106,7 +106,7 @@ pub enum Standing {
 
 impl Standing {
     /// That of an interval whose ends are in parts of the limit.
-    pub(crate) fn of([low, high]: [f64; 2]) -> Standing {
+    pub(crate) fn new([low, high]: [f64; 2]) -> Standing {
         match (low, high) {
             (_, ..=1.0) => Standing::Met,
             (low, _) if low > 1.0 => Standing::NotMet,
@@ -198,7 +198,7 @@ impl<'a> Judged<'a> {
     }
 
     pub(crate) fn standing(&self) -> Standing {
-        let standing = |shown: &Shown| Standing::of(shown.ends.map(|end| self.part(end)));
+        let standing = |shown: &Shown| Standing::new(shown.ends.map(|end| self.part(end)));
         self.shown.as_ref().map_or(Standing::Unknown, standing)
     }
 
@@ -334,5 +334,5 @@ fn decides(subject: &Subject, term: Term, limit: f64, judged: &Judged, times: f6
     let (factor, _, _) = Quantity::Coefficient(term).unit(judged.limit.unit);
     let found = longer.as_ref().and_then(|fit| fit.coefficient(term)).filter(|found| found.value.is_some());
     let ends = found.and_then(|found| found.interval).map(|ends| ends.map(|end| factor * end / limit));
-    ends.is_some_and(|ends| Standing::of(ends) != Standing::Open)
+    ends.is_some_and(|ends| Standing::new(ends) != Standing::Open)
 }

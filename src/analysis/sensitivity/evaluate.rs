@@ -7,7 +7,7 @@ use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::table::{Column, Role, Table};
 use sagnac_engine::device::Device;
 use sagnac_engine::key::Key;
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::run::Plan;
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
@@ -38,11 +38,11 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// A point cannot be represented, the choice of rows is wrong, or the device fails.
-    pub(crate) fn at(&mut self, points: &[Vec<Swept>]) -> Result<Vec<f64>, SensitivityError> {
+    pub(crate) fn at(&mut self, points: &[Vec<SweepValue>]) -> Result<Vec<f64>, SensitivityError> {
         let mut places: HashMap<Vec<u64>, usize> = HashMap::new();
-        let mut different: Vec<Vec<Swept>> = Vec::new();
-        let bits = |value: &Swept| value.quantity().map_or(0, |quantity| quantity.value.to_bits());
-        let place_of = |point: &Vec<Swept>| {
+        let mut different: Vec<Vec<SweepValue>> = Vec::new();
+        let bits = |value: &SweepValue| value.quantity().map_or(0, |quantity| quantity.value.to_bits());
+        let place_of = |point: &Vec<SweepValue>| {
             *places.entry(point.iter().map(bits).collect()).or_insert_with(|| {
                 different.push(point.clone());
                 different.len() - 1
@@ -58,7 +58,7 @@ impl Evaluator<'_> {
         Ok(of_points.into_iter().map(|place| answers[place]).collect())
     }
 
-    fn of_some(&mut self, points: &[Vec<Swept>]) -> Result<Vec<f64>, SensitivityError> {
+    fn of_some(&mut self, points: &[Vec<SweepValue>]) -> Result<Vec<f64>, SensitivityError> {
         let study = self.study.at_points(&self.keys, points)?;
         let table = self.table(&study)?;
         let (column, rows) = chosen(&table, &self.by, &self.rows, points.len())?;
@@ -70,7 +70,7 @@ impl Evaluator<'_> {
             self.noise += error.map_or(0.0, |error| error * error);
         }
         self.evaluated += points.len() as u64;
-        let answer = |(row, point): (usize, &Vec<Swept>)| {
+        let answer = |(row, point): (usize, &Vec<SweepValue>)| {
             let value = column.cells[row].number();
             value.ok_or_else(|| SensitivityError::NoValue { column: column.header(), at: self.place(point) })
         };
@@ -88,7 +88,7 @@ impl Evaluator<'_> {
     }
 
     /// The values at a point, for messages.
-    fn place(&self, point: &[Swept]) -> String {
+    fn place(&self, point: &[SweepValue]) -> String {
         let values = self.keys.iter().zip(point).map(|(key, value)| format!("{} = {value}", key.name));
         values.collect::<Vec<String>>().join(", ")
     }

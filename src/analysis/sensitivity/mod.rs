@@ -58,7 +58,7 @@ use sagnac_base::table::{Cells, Column, ColumnError, Usual};
 use sagnac_engine::chart::{Chart, Limit, Source};
 use sagnac_engine::device::Device;
 use sagnac_engine::key::sensitivity::{SENSITIVITY, Uncertain};
-use sagnac_engine::key::sweep::Swept;
+use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::run::{Plan, RunError};
 use sagnac_engine::study::Study;
 use sagnac_report::page::document::Provenance;
@@ -163,11 +163,11 @@ impl Sensitivity {
             return Err(SensitivityError::NoInputs);
         }
         if let Some(sweep) = study.sweeps.first() {
-            return Err(SensitivityError::Swept(sweep.key.name));
+            return Err(SensitivityError::SweepValue(sweep.key.name));
         }
         let mut study = study.clone();
         let keys = uncertain.iter().map(|input| input.key).collect();
-        let nominal: Vec<Swept> = uncertain.iter().map(|input| nominal(&study, input)).collect();
+        let nominal: Vec<SweepValue> = uncertain.iter().map(|input| nominal(&study, input)).collect();
         let (answer, rows, is_exact) = question(&study, request)?;
         let samples = samples(request.samples.unwrap_or(SAMPLES[usize::from(!is_exact)]));
         let evaluations = samples * (uncertain.len() as u64 + 2) + count(uncertain.len());
@@ -181,7 +181,7 @@ impl Sensitivity {
         let swings = swings(&mut evaluator, &nominal, uncertain)?;
         let found = indices(uncertain.len(), samples, study.seed, |points| {
             let at = |point: &Vec<f64>| uncertain.iter().zip(point).map(|(input, u)| input.at(*u)).collect();
-            evaluator.at(&points.iter().map(at).collect::<Vec<Vec<Swept>>>())
+            evaluator.at(&points.iter().map(at).collect::<Vec<Vec<SweepValue>>>())
         })?;
         let Some(found) = found else {
             let value = significant(swings.nominal, 4);
@@ -225,11 +225,11 @@ impl Sensitivity {
 }
 
 /// The value of an input that the study writes, else its median.
-fn nominal(study: &Study, input: &Uncertain) -> Swept {
+fn nominal(study: &Study, input: &Uncertain) -> SweepValue {
     let median = input.at(0.5);
-    let same = |value: &Swept| value.unit() == median.unit();
+    let same = |value: &SweepValue| value.unit() == median.unit();
     let written = study.values.iter().find(|(key, _)| std::ptr::eq(*key, input.key));
-    written.map(|(_, value)| Swept::Quantity(*value)).filter(same).unwrap_or(median)
+    written.map(|(_, value)| SweepValue::Quantity(*value)).filter(same).unwrap_or(median)
 }
 
 /// The column of the answer, without cells, the rows of the points, and whether the answer is known without sampling.
@@ -286,7 +286,7 @@ pub enum SensitivityError {
     NoInputs,
     /// This key is swept.
     #[error("{0} is swept: a sensitivity is of one point")]
-    Swept(&'static str),
+    SweepValue(&'static str),
     /// The answer or its rows cannot be chosen.
     #[error(transparent)]
     Column(#[from] ColumnError),
@@ -329,7 +329,7 @@ impl SensitivityError {
         let at = |key: &str, help: &str| study.error_at(study.place_of(key), self.to_string(), help);
         Ok(match self {
             SensitivityError::NoInputs => at("kind", &format!("add one as in\n{}", SENSITIVITY.example)),
-            SensitivityError::Swept(key) => {
+            SensitivityError::SweepValue(key) => {
                 at(key, "give the key one value, or make it an uncertain input instead")
             }
             SensitivityError::Study(error) => error,

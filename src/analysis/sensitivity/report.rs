@@ -8,7 +8,7 @@ use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};
 use sagnac_engine::key::sensitivity::Uncertain;
-use sagnac_engine::key::sweep::{Scale, Swept};
+use sagnac_engine::key::sweep::{Scale, SweepValue};
 use sagnac_engine::study::Study;
 use sagnac_report::answer::reading::{begun, number, percent_of, range};
 use sagnac_report::answer::{
@@ -338,7 +338,7 @@ fn levels() -> impl Iterator<Item = f64> {
 /// The errors of the evaluation.
 pub(crate) fn swings(
     evaluator: &mut Evaluator,
-    nominal: &[Swept],
+    nominal: &[SweepValue],
     uncertain: &[Uncertain],
 ) -> Result<Swings, SensitivityError> {
     let along = |(place, input): (usize, &Uncertain)| {
@@ -347,10 +347,10 @@ pub(crate) fn swings(
             point[place] = input.at(level);
             point
         };
-        levels().map(at).collect::<Vec<Vec<Swept>>>()
+        levels().map(at).collect::<Vec<Vec<SweepValue>>>()
     };
     let moved = uncertain.iter().enumerate().flat_map(along);
-    let points: Vec<Vec<Swept>> = std::iter::once(nominal.to_vec()).chain(moved).collect();
+    let points: Vec<Vec<SweepValue>> = std::iter::once(nominal.to_vec()).chain(moved).collect();
     let answers = evaluator.at(&points)?;
     let inputs = answers[1..].chunks_exact(STEPS + 1).map(<[f64]>::to_vec).collect();
     Ok(Swings { nominal: answers[0], inputs })
@@ -359,12 +359,12 @@ pub(crate) fn swings(
 /// Each input with its indices and its swing.
 pub(crate) fn joined(
     uncertain: &[Uncertain],
-    nominal: &[Swept],
+    nominal: &[SweepValue],
     found: &Indices,
     swings: Swings,
 ) -> Vec<Input> {
     let all = uncertain.iter().zip(nominal).zip(&found.inputs).zip(swings.inputs);
-    let input = |(((input, nominal), index), along): (((&Uncertain, &Swept), &Index), Vec<f64>)| {
+    let input = |(((input, nominal), index), along): (((&Uncertain, &SweepValue), &Index), Vec<f64>)| {
         let shown = |level: f64| input.at(level).cell().number().unwrap_or(f64::NAN);
         let (least, most) = along
             .iter()

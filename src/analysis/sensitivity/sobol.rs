@@ -62,7 +62,7 @@ pub(crate) fn indices<E>(
         return Ok(None);
     }
     let middle = all.iter().sum::<f64>() / all.len() as f64;
-    let sums: Vec<Sums> = parts.iter().map(|part| Sums::of(part, width, middle)).collect();
+    let sums: Vec<Sums> = parts.iter().map(|part| Sums::new(part, width, middle)).collect();
     let found = |quantity: &dyn Fn(&Sums) -> f64| with_interval(&sums, width, quantity);
     let index = |input: usize| Index {
         first: found(&|sums| sums.first[input] / sums.samples / sums.variance()),
@@ -129,7 +129,7 @@ impl Sums {
         Sums { samples: 0.0, y: 0.0, square: 0.0, first: of_inputs.clone(), total: of_inputs }
     }
 
-    fn of(part: &[f64], width: usize, middle: f64) -> Sums {
+    fn new(part: &[f64], width: usize, middle: f64) -> Sums {
         let mut sums = Sums::none(width);
         for sample in part.chunks_exact(width) {
             let [a, b] = [sample[0] - middle, sample[1] - middle];

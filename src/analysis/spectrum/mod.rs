@@ -97,7 +97,7 @@ pub fn densities(log: &Log, treatment: &Treatment, welch: &Welch) -> Result<Vec<
     let temperatures = if treatment.events_removed { temperatures(log).1 } else { vec![] };
     let density = |channel: &Channel| {
         let (angles, _) = treatment.angles(&channel.view(log.data, log.step_s), &temperatures);
-        Density::of(&angles, welch).map_err(|why| NoSpectrum { column: channel.name.clone(), why })
+        Density::new(&angles, welch).map_err(|why| NoSpectrum { column: channel.name.clone(), why })
     };
     let densities: Vec<_> = log.channels.par_iter().map(density).collect();
     // The first of several reasons, whichever thread is first.
@@ -109,7 +109,7 @@ impl Analysis {
     pub fn of(noise: log::Analysis, densities: Vec<Density>) -> Analysis {
         let are_events_removed = noise.treatment.events_removed;
         let columns = noise.columns.iter().zip(densities);
-        let spectra = columns.map(|(column, density)| Spectrum::of(column, density, are_events_removed));
+        let spectra = columns.map(|(column, density)| Spectrum::new(column, density, are_events_removed));
         Analysis { spectra: spectra.collect(), noise }
     }
 
@@ -120,7 +120,7 @@ impl Analysis {
 }
 
 impl Spectrum {
-    fn of(column: &Column, density: Density, are_events_removed: bool) -> Spectrum {
+    fn new(column: &Column, density: Density, are_events_removed: bool) -> Spectrum {
         let mut lines = lines(&density);
         let are = |what: What| column.events.iter().filter(move |event| event.what == what);
         if !are_events_removed && are(What::NoiseBurst).next().is_some() {
@@ -142,7 +142,7 @@ impl Spectrum {
             to_hz: 0.5 / fit.tau_range[0] * (1.0 + 1e-9),
             filter_s: fit.filter_s().unwrap_or(0.0),
         });
-        let white = White::of(column, &density, &lines, model.as_ref());
+        let white = White::new(column, &density, &lines, model.as_ref());
         Spectrum { density, lines, model, white }
     }
 
@@ -174,8 +174,8 @@ impl Spectrum {
 }
 
 impl White {
-    fn of(column: &Column, density: &Density, lines: &[Line], model: Option<&Model>) -> White {
-        let floor = Floor::of(density, lines);
+    fn new(column: &Column, density: &Density, lines: &[Line], model: Option<&Model>) -> White {
+        let floor = Floor::new(density, lines);
         let (factor, unit, symbol) = Quantity::Coefficient(Term::AngleRandomWalk).unit(column.unit);
         let n = |density: f64| factor * libm::sqrt(0.5 * density);
         let from_floor = floor.as_ref().map(|floor| Row {

@@ -58,18 +58,18 @@ pub struct Dependence {
 }
 
 impl Temperature {
-    /// Finds the dependence as [`Temperature::of`] does, and adds its [notes](report::notes) to the log.
+    /// Finds the dependence as [`Temperature::new`] does, and adds its [notes](report::notes) to the log.
     pub fn noted(log: &mut Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
-        let found = Temperature::of(log, treatment, effects);
+        let found = Temperature::new(log, treatment, effects);
         log.notes.extend(found.iter().flat_map(report::notes));
         found
     }
 
     /// The dependence of a log that was read with its temperature; nothing for a log without one.
-    pub fn of(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
+    pub fn new(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
         let (_, measured) = log.temperature.as_ref()?;
         let block = log.samples().div_ceil(smoothing::MAX_BLOCKS);
-        let course = Course::of(measured, block);
+        let course = Course::new(measured, block);
         let unknown = |x: &[f64]| x.iter().filter(|x| x.is_nan()).count();
         let missing = [unknown(measured), unknown(&course.values)];
         let of_rates = course_of(log.data, &course);
@@ -146,7 +146,7 @@ fn dependence(
     if treatment.outliers_removed {
         outliers.samples.iter().for_each(|&i| rates[i] = f64::NAN);
     }
-    let averages = Averages::of(&rates, course, log.step_s).ok_or_else(|| {
+    let averages = Averages::new(&rates, course, log.step_s).ok_or_else(|| {
         format!(
             "fewer than {MIN_BLOCKS} blocks of the record have both samples and temperatures: record longer, or give a \
              temperature for more of the samples"
@@ -164,6 +164,6 @@ fn dependence(
         ));
     }
     let fast = model(&angles, treatment.trend).map(|(process, _)| process);
-    let model = Model::of(&averages, asked, fast.as_ref())?;
+    let model = Model::new(&averages, asked, fast.as_ref())?;
     Ok(Dependence { model, averages })
 }

@@ -95,7 +95,7 @@ impl Model {
     ///
     /// # Errors
     /// A sentence that says why there is no model.
-    pub fn of(averages: &Averages, asked: &Effects, fast: Option<&Process>) -> Result<Model, String> {
+    pub fn new(averages: &Averages, asked: &Effects, fast: Option<&Process>) -> Result<Model, String> {
         let candidates = asked.candidates();
         let mut ends = [MIN_TIME * averages.step_s * averages.m as f64, MAX_TIME * averages.length_s()];
         loop {

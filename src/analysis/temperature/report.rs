@@ -206,7 +206,7 @@ fn deviations([before, after]: [&Analysis; 2], unit: allan::Unit) -> Option<Figu
         x: Axis::new("averaging time τ", "s"),
         y: Axis::new("deviation σ(τ)", unit.symbol(deviation)),
         colours: of_columns(before.of_unit(unit).map(|column| column.name.clone())),
-        dashes: Grouping::of("record", ["before", "after"].map(str::to_owned)),
+        dashes: Grouping::new("record", ["before", "after"].map(str::to_owned)),
         bands: format!("{} intervals", before.percent()),
         series: before.of_unit(unit).zip(after.of_unit(unit)).enumerate().flat_map(each).collect(),
         ..Figure::default()

@@ -41,7 +41,7 @@ impl Course {
     /// A straight line over 2^k samples on either side gives value and slope at each sample. The window is the longest
     /// one at which the course is within the error of the sensor from the measurements (root mean square). A sensor without
     /// errors is not smoothed, and slopes are then differences of neighbours.
-    pub fn of(measured: &[f64], bridged: usize) -> Course {
+    pub fn new(measured: &[f64], bridged: usize) -> Course {
         let filled = filled(measured, bridged);
         let (error, is_coarse) = error(measured);
         // What conversion of units leaves is no error of the sensor.
@@ -195,7 +195,7 @@ pub struct Averages {
 impl Averages {
     /// The averages of `rates`, NaN where one is missing; `None` where fewer than [`MIN_BLOCKS`] blocks have both rates and
     /// temperatures for at least half of their samples.
-    pub fn of(rates: &[f64], course: &Course, step_s: f64) -> Option<Averages> {
+    pub fn new(rates: &[f64], course: &Course, step_s: f64) -> Option<Averages> {
         let m = rates.len().div_ceil(MAX_BLOCKS).max(1);
         let known = |i: &usize| rates[*i].is_finite() && course.values[*i].is_finite();
         let samples = |place: usize| (place * m..(place + 1) * m).filter(known);
@@ -283,7 +283,7 @@ mod tests {
     #[test]
     fn a_smooth_temperature_is_left_as_it_is() {
         let measured: Vec<f64> = (0..2000).map(|i| 20.0 + 0.01 * f64::from(i)).collect();
-        let course = Course::of(&measured, 10);
+        let course = Course::new(&measured, 10);
         assert_eq!((course.half_window, &course.values), (0, &measured));
         assert!(course.slopes.iter().all(|slope| (slope - 0.01).abs() < 1e-12));
     }
@@ -292,7 +292,7 @@ mod tests {
     fn steps_of_the_resolution_are_smoothed_to_the_line_behind_them() {
         let line = |i: usize| 20.0 + 3e-4 * i as f64;
         let measured: Vec<f64> = (0..20_000).map(|i| (line(i) / 0.0625).round() * 0.0625).collect();
-        let course = Course::of(&measured, 10);
+        let course = Course::new(&measured, 10);
         assert!((course.error - 0.0625 / 12_f64.sqrt()).abs() < 1e-9, "{}", course.error);
         assert!(course.half_window >= 512, "{}", course.half_window);
         for i in (2000..18_000).step_by(100) {
@@ -307,17 +307,17 @@ mod tests {
         measured[100..110].fill(f64::NAN);
         measured[500..700].fill(f64::NAN);
         measured[..5].fill(f64::NAN);
-        let course = Course::of(&measured, 20);
+        let course = Course::new(&measured, 20);
         assert!((course.values[105] - 10.5).abs() < 1e-9 && (course.values[2] - 0.5).abs() < 1e-9);
         assert!(course.values[600].is_nan() && course.slopes[600].is_nan());
-        assert!(Course::of(&[f64::NAN; 5], 3).values.iter().all(|x| x.is_nan()));
+        assert!(Course::new(&[f64::NAN; 5], 3).values.iter().all(|x| x.is_nan()));
     }
 
     #[test]
     fn a_sensor_that_is_read_now_and_then_is_followed_between() {
         let measured: Vec<f64> =
             (0..1000).map(|i| if i % 50 == 0 { 0.1 * f64::from(i) } else { f64::NAN }).collect();
-        let course = Course::of(&measured, 1);
+        let course = Course::new(&measured, 1);
         assert!((course.values[575] - 57.5).abs() < 1e-9 && (course.slopes[575] - 0.1).abs() < 1e-9);
     }
 }

@@ -19,7 +19,7 @@ use super::Outcome;
 /// # Panics
 /// The file shows a fault of the library.
 pub fn run(bytes: &[u8]) -> Vec<Outcome> {
-    let folder = Folder::of(bytes);
+    let folder = Folder::new(bytes);
     let mut outcomes = vec![record(&String::from_utf8_lossy(bytes))];
     outcomes.extend(requests().iter().map(|request| log(&folder, request)));
     outcomes
@@ -29,7 +29,7 @@ pub fn run(bytes: &[u8]) -> Vec<Outcome> {
 struct Folder(TempDir);
 
 impl Folder {
-    fn of(bytes: &[u8]) -> Folder {
+    fn new(bytes: &[u8]) -> Folder {
         let folder = Folder(TempDir::new().unwrap());
         std::fs::write(folder.file(), bytes).unwrap();
         folder

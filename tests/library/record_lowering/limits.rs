@@ -71,7 +71,7 @@ fn no_model_leaves_the_room_that_there_is() {
             sample_s: 10.0_f64.powi(random.random_range(-3..1)),
             parts: chosen.iter().map(|c| c.1).collect(),
         };
-        let model = Model { process, readout_lsb, mean_rate: 15.0, samples, ms: vec![1], ..Model::of(&[]) };
+        let model = Model { process, readout_lsb, mean_rate: 15.0, samples, ms: vec![1], ..Model::new(&[]) };
         match model.lower() {
             Ok(records) => {
                 lowered += 1;
@@ -116,7 +116,7 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
     let markov = Part::markov(1.0, 1.0);
     let white = Part::angle_random_walk(1.0);
     let flicker = Part::bias_instability(1.0, 24);
-    let of = |parts: &[Part]| Model::of(parts);
+    let of = |parts: &[Part]| Model::new(parts);
     let table = [
         ("record.length", Model { samples: 1, ..of(&[white]) }),
         ("record.length", Model { samples: (1 << 26) + 1, ..of(&[white]) }),
@@ -169,14 +169,14 @@ fn parts_of_a_kind_add_up_and_those_of_0_are_none() {
         (vec![Part::markov(0.0, 1.0), Part::markov(1.0, 1.0)], Part::markov(1.0, 1.0)),
     ];
     for (parts, part) in table {
-        assert_eq!(Model::of(&parts).lowered().recipe(), Model::of(&[part]).lowered().recipe(), "{part:?}");
+        assert_eq!(Model::new(&parts).lowered().recipe(), Model::new(&[part]).lowered().recipe(), "{part:?}");
     }
 }
 
 #[test]
 fn the_longest_records_are_lowered() {
     let parts = [Part::quantization(0.24), Part::angle_random_walk(0.04), Part::rate_random_walk(1e-7)];
-    let records = Model { samples: 1 << 26, ms: octaves(1 << 26, 2), ..Model::of(&parts) }.lowered();
+    let records = Model { samples: 1 << 26, ms: octaves(1 << 26, 2), ..Model::new(&parts) }.lowered();
     assert!(records.recipe().drift.is_empty());
     // What differences of 64ths of τ keep of a record: 64 spans and a chunk, twice, for each octave.
     assert!(records.recipe().depth() < 6000, "{}", records.recipe().depth());

@@ -85,7 +85,7 @@ fn reads_as_in_the_table(
 #[test]
 fn what_is_read_off_switched_enlarged_and_sorted_is_what_the_table_has() {
     let Some(browser) = Browser::start() else { return };
-    let results = Results::of("error_vs_dtnu", 20_000);
+    let results = Results::new("error_vs_dtnu", 20_000);
     browser.open(&results.page());
     let axes = ("dt_nu", ("p99_73", "arcsec"));
     let names = ["filler", "switching.gap_ticks"];
@@ -163,7 +163,7 @@ fn sorts(browser: &Browser, results: &Results) {
 #[test]
 fn a_map_tells_its_cells_and_the_slices_through_them() {
     let Some(browser) = Browser::start() else { return };
-    let results = Results::of("filler_map", 2000);
+    let results = Results::new("filler_map", 2000);
     browser.open(&results.page());
     for (across, down) in [(0.3, 0.3), (0.5, 0.7), (0.8, 0.2), (0.9, 0.8)] {
         let [left, top, width, height] = browser.place(PICTURE);
@@ -207,7 +207,7 @@ fn reports_of_records_and_runs_read_as_their_tables_do() {
             Some(("angle", "end")),
         ),
     ] {
-        let results = Results::of(study, trials);
+        let results = Results::new(study, trials);
         browser.open(&results.page());
         let filter: Vec<(&str, &str)> = filter.into_iter().collect();
         let read = reads_as_in_the_table(&browser, &results, axes, &names, &filter);
@@ -219,7 +219,7 @@ fn reports_of_records_and_runs_read_as_their_tables_do() {
 #[test]
 fn pages_suit_the_dark_phones_and_paper() {
     let Some(browser) = Browser::start() else { return };
-    let results = Results::of("error_vs_dtnu", 2000);
+    let results = Results::new("error_vs_dtnu", 2000);
     let paper = || browser.text("return getComputedStyle(document.body).backgroundColor");
     browser.open(&results.page());
     assert_eq!(paper(), "rgb(255, 255, 255)");
@@ -259,7 +259,7 @@ fn axes_on_phones_have_three_labels_that_are_spread_and_not_cut() {
     let phone = json!({ "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true });
     browser.chromium("Emulation.setDeviceMetricsOverride", &phone);
     for study in ["best_filler", "optimal_interval", "relock_tables", "suspension", "my_gyro"] {
-        let results = Results::of(study, 64);
+        let results = Results::new(study, 64);
         browser.open(&results.page());
         // For each axis of each chart: the number of labels, the widest gap as a part of the axis, and what is cut off.
         let script = "return [...document.querySelectorAll('.drawing > svg')].flatMap((svg) => {
@@ -288,7 +288,7 @@ fn axes_on_phones_have_three_labels_that_are_spread_and_not_cut() {
 #[test]
 fn without_scripts_every_chart_is_a_still_picture_that_fits() {
     let Some(browser) = Browser::start() else { return };
-    let results = Results::of("filler_map", 64);
+    let results = Results::new("filler_map", 64);
     browser.chromium("Emulation.setScriptExecutionDisabled", &json!({ "value": true }));
     browser.begin(&results.page());
     let shown = |of: &str| {

@@ -14,7 +14,7 @@ pub struct Results {
 
 impl Results {
     /// Of `studies/<name>.toml`.
-    pub fn of(name: &str, trials: u64) -> Results {
+    pub fn new(name: &str, trials: u64) -> Results {
         let study = Path::new(crate::ROOT).join("studies").join(format!("{name}.toml"));
         let folder = tempfile::tempdir().unwrap();
         let ended = Command::new(env!("CARGO_BIN_EXE_sagnac"))

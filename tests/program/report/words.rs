@@ -30,7 +30,7 @@ fn pages_and_pictures_have_the_same_titles_axes_legends_and_subtitles() {
     names.sort();
     let mut missing = Vec::new();
     for name in names {
-        let results = Results::of(&name, 64);
+        let results = Results::new(&name, 64);
         browser.open(&results.page());
         let script = "const texts = (host, of) => [...host.querySelectorAll(of)].map((text) => text.textContent); \
             return [...document.querySelectorAll('[data-chart]')].map((chart) => { \

@@ -401,7 +401,7 @@ pub struct Text {
 
 impl TableSchema {
     /// A table with these columns; `texts` are the values of those that distinguish rows, in order.
-    pub(crate) fn of(
+    pub(crate) fn new(
         source: Source,
         columns: Vec<About>,
         texts: impl IntoIterator<Item = Text>,
@@ -479,7 +479,7 @@ impl TableSchema {
 
 impl Text {
     /// A text column with these values.
-    pub(crate) fn of(values: impl IntoIterator<Item = impl Into<String>>) -> Text {
+    pub(crate) fn new(values: impl IntoIterator<Item = impl Into<String>>) -> Text {
         let values = values.into_iter().map(Into::into).collect();
         Text { name: "", listed_by: "", values, usual: None, whole: None }
     }

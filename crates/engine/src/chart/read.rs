@@ -5,7 +5,7 @@ use crate::chart::{
     TABLE, TITLE, TableSchema, WHERE, X, X_SCALE, Y, Y_SCALE, Z, Z_SCALE,
 };
 use crate::key::document::{SpannedValue, Table};
-use crate::key::sweep::{Scale, Sweep, Swept, scale_of};
+use crate::key::sweep::{Scale, Sweep, SweepValue, scale_of};
 use crate::key::{Key, ValueType, unlimited};
 use sagnac_base::diagnostics::{Fault, choices};
 use sagnac_base::quantity::Dimension;
@@ -95,7 +95,7 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[TableSchema]) -> Result<Char
 
 /// The table of results to draw.
 fn ground<'g>(table: &Table, grounds: &'g [TableSchema]) -> Result<&'g TableSchema, Fault> {
-    let (source, span) = (Source::of(table.get(&TABLE)), table.span_of(&TABLE).unwrap_or_default());
+    let (source, span) = (Source::from_value(table.get(&TABLE)), table.span_of(&TABLE).unwrap_or_default());
     let Some(ground) = grounds.iter().find(|ground| ground.source == source) else {
         let message = "a study of this kind has no such table";
         return Err(Fault::new(span, message, "no such table", "leave chart.table out"));
@@ -108,7 +108,7 @@ fn ground<'g>(table: &Table, grounds: &'g [TableSchema]) -> Result<&'g TableSche
 
 /// Reads the content of a chart, by its kind.
 fn shows(table: &Table, x: &Named, y: &Named, beside: &[Named], known: Known) -> Result<Shows, Fault> {
-    let kind = ChartKind::of(table.get(&KIND));
+    let kind = ChartKind::from_value(table.get(&KIND));
     let kind_span = || table.span_of(&KIND).unwrap_or_default();
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
     for (key, kinds) in [
@@ -230,7 +230,7 @@ fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
     let written = table.get(&LAWS).map(|laws| laws.items()).unwrap_or_default();
     let mut laws = Vec::new();
     for item in &written {
-        let law = Law::of(Some(*item));
+        let law = Law::from_value(Some(*item));
         if laws.contains(&law) {
             let message = format!("chart.references lists \"{}\" twice", law.name());
             return Err(item.fault(message, "listed before", "leave it out here"));
@@ -404,7 +404,7 @@ impl Known<'_> {
 
     /// Finds the column that `named` means among the swept keys and some `more`.
     fn find(self, more: Vec<About>, named: &Named, cannot: &str) -> Result<String, Fault> {
-        let unit = |sweep: &Sweep| sweep.values.first().map_or(Unit::NONE, Swept::unit);
+        let unit = |sweep: &Sweep| sweep.values.first().map_or(Unit::NONE, SweepValue::unit);
         let swept =
             self.sweeps.iter().map(|sweep| About { unit: unit(sweep), ..About::named(sweep.key.name) });
         let columns: Vec<Column> =
@@ -459,15 +459,15 @@ impl Known<'_> {
 }
 
 /// The value of a sweep that tables show like the given one.
-fn swept_value<'s>(sweep: &'s Sweep, given: SpannedValue) -> Result<&'s Swept, Fault> {
+fn swept_value<'s>(sweep: &'s Sweep, given: SpannedValue) -> Result<&'s SweepValue, Fault> {
     let wanted = match sweep.key.is_name() {
-        true => Swept::Name(given.text().to_owned()),
-        false => Swept::Quantity(given.of(sweep.key).quantity()?),
+        true => SweepValue::Name(given.text().to_owned()),
+        false => SweepValue::Quantity(given.of(sweep.key).quantity()?),
     };
     let is_meant =
-        |value: &&Swept| value.unit() == wanted.unit() && value.cell().text() == wanted.cell().text();
+        |value: &&SweepValue| value.unit() == wanted.unit() && value.cell().text() == wanted.cell().text();
     sweep.values.iter().find(is_meant).ok_or_else(|| {
-        let listed: Vec<String> = sweep.values.iter().take(MAX_LISTED).map(Swept::to_string).collect();
+        let listed: Vec<String> = sweep.values.iter().take(MAX_LISTED).map(SweepValue::to_string).collect();
         let more = if sweep.values.len() > MAX_LISTED { ", …" } else { "" };
         let message = format!("no point has {} = {wanted}", sweep.key.name);
         let help = format!("accepted: {}{more}", listed.join(", "));

@@ -60,7 +60,7 @@ pub enum Target {
 
 impl Target {
     /// The target of a filler with a band, or without one in a study that may have a specification.
-    pub fn of(band: Option<Band>, specification: Option<&Arc<Specification>>) -> Target {
+    pub fn new(band: Option<Band>, specification: Option<&Arc<Specification>>) -> Target {
         match (band, specification) {
             (Some(band), _) => Target::Band(band),
             (None, Some(specification)) => Target::Specification(specification.clone()),

@@ -157,7 +157,7 @@ fn of_table(table: &Table, specification: Option<&Arc<Specification>>) -> Result
     let method = match kind {
         MINIMUM_VARIANCE => {
             let band = table.get(&FILLER_BAND).map(band).transpose()?;
-            Method::MinimumVariance(Target::of(band, specification))
+            Method::MinimumVariance(Target::new(band, specification))
         }
         WEIGHTS => {
             let Some(weights) = weights else {

@@ -400,7 +400,7 @@ pub struct SpanMap {
 }
 
 impl SpanMap {
-    pub(crate) fn of(sweeps: &[Sweep]) -> SpanMap {
+    pub(crate) fn new(sweeps: &[Sweep]) -> SpanMap {
         let swept = sweeps.iter().map(|sweep| (sweep.key.name, sweep.span.clone())).collect();
         SpanMap { written: vec![], swept }
     }

@@ -6,7 +6,7 @@ pub mod sensitivity;
 pub mod sweep;
 
 use crate::key::document::{SpanMap, SpannedValue, Table};
-use crate::key::sweep::{Setting, Sweep};
+use crate::key::sweep::{Sweep, SweepTarget};
 pub(crate) use sagnac_base::Word;
 use sagnac_base::diagnostics::Fault;
 pub use sagnac_base::names;
@@ -297,7 +297,7 @@ macro_rules! words {
         #[allow(dead_code, reason = "some words are read from lists")]
         impl $name {
             /// The value as written, or the default.
-            pub(crate) fn of(given: Option<$crate::key::document::SpannedValue>) -> $name {
+            pub(crate) fn from_value(given: Option<$crate::key::document::SpannedValue>) -> $name {
                 let named = |given: $crate::key::document::SpannedValue| {
                     $name::ALL.into_iter().find(|known| known.name() == given.text())
                 };
@@ -469,8 +469,8 @@ impl<'a> ParseContext<'a> {
     pub(crate) fn set<I>(
         &mut self,
         inputs: &mut I,
-        settings: &'static [Setting<I>],
-    ) -> Result<Vec<(&'static Setting<I>, Quantity)>, Fault> {
+        settings: &'static [SweepTarget<I>],
+    ) -> Result<Vec<(&'static SweepTarget<I>, Quantity)>, Fault> {
         let mut written = Vec::new();
         for setting in settings {
             let Some(given) = self.table.get(setting.key) else { continue };

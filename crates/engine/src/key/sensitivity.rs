@@ -5,7 +5,7 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::key::document::{SpannedValue, Table};
-use crate::key::sweep::{self, Sweep, Swept};
+use crate::key::sweep::{self, Sweep, SweepValue};
 use crate::key::{Key, Measure, ValueType, keys};
 use sagnac_base::diagnostics::Fault;
 use sagnac_base::quantity::number::significant;
@@ -78,7 +78,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 
 impl Uncertain {
     /// The value that a part `level` of all values lie below.
-    pub fn at(&self, level: f64) -> Swept {
+    pub fn at(&self, level: f64) -> SweepValue {
         let value = match self.spread {
             Spread::Even([from, to]) if self.key.is_whole() => {
                 libm::floor(from + level * (to - from + 1.0)).min(to)
@@ -93,7 +93,7 @@ impl Uncertain {
         };
         // Rounding may leave the limits of the key.
         let (least, most) = self.limits();
-        Swept::Quantity(Quantity::new(value.clamp(least, most), self.dimension))
+        SweepValue::Quantity(Quantity::new(value.clamp(least, most), self.dimension))
     }
 
     /// The parts of a normal distribution that lie below the least and below the largest value of its key.

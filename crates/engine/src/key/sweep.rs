@@ -54,7 +54,7 @@ pub struct Sweep {
     /// The swept key.
     pub key: &'static Key,
     /// The values, which are distinct and of one dimension, in the order written.
-    pub values: Vec<Swept>,
+    pub values: Vec<SweepValue>,
     /// The file names as written, where the key holds the name of a file.
     pub(crate) files: Vec<Spanned<String>>,
     /// Scale of an axis over the values: linear where they are evenly spaced or not all above 0.
@@ -131,7 +131,7 @@ pub(crate) fn find(
 impl Sweep {
     /// The files of a sweep over files, each with its name among the values.
     pub(crate) fn named_files(&self) -> impl Iterator<Item = (String, &Spanned<String>)> {
-        self.values.iter().map(Swept::to_string).zip(&self.files)
+        self.values.iter().map(SweepValue::to_string).zip(&self.files)
     }
 
     /// A fault at the name of its key.
@@ -154,7 +154,7 @@ pub(crate) fn count(sweeps: &[Sweep]) -> usize {
 }
 
 /// The values at each point of all sweeps together, each with the name of its key; the first sweep changes slowest.
-pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str, Swept)>> {
+pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str, SweepValue)>> {
     (0..count(sweeps)).map(move |mut index| {
         let mut value = |sweep: &Sweep| {
             let value = sweep.values[index % sweep.values.len()].clone();
@@ -204,7 +204,7 @@ impl WrittenSweep<'_> {
         };
         let is_linear = linear.is_some() || values.iter().any(|value| value.value <= 0.0);
         let scale = if is_linear { Scale::Linear } else { Scale::Log };
-        let values = values.into_iter().map(Swept::Quantity).collect();
+        let values = values.into_iter().map(SweepValue::Quantity).collect();
         let key_span = self.name.span();
         Ok(Sweep { key: self.key, values, files: vec![], scale, key_span, span, is_joined: false })
     }
@@ -242,7 +242,7 @@ impl WrittenSweep<'_> {
                 true => Path::new(text).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
                 false => text.to_owned(),
             };
-            let value = Swept::Name(value);
+            let value = SweepValue::Name(value);
             if values.contains(&value) {
                 let (what, help) = match key.is_file() {
                     true => ("the name ", "tables tell files apart by their names: give them different ones"),
@@ -363,26 +363,26 @@ pub(crate) fn same_dimension(
 }
 
 /// A key that sets a number among inputs `I`.
-pub(crate) struct Setting<I: 'static> {
+pub(crate) struct SweepTarget<I: 'static> {
     pub(crate) key: &'static Key,
     /// Whether the key applies to given inputs.
     pub(crate) applies: fn(&I) -> bool,
     pub(crate) set: fn(&mut I, Quantity),
 }
 
-impl<I> Setting<I> {
-    /// A setting that applies to all inputs.
-    pub(crate) const fn new(key: &'static Key, set: fn(&mut I, Quantity)) -> Setting<I> {
-        Setting { key, applies: |_| true, set }
+impl<I> SweepTarget<I> {
+    /// A target in all inputs.
+    pub(crate) const fn new(key: &'static Key, set: fn(&mut I, Quantity)) -> SweepTarget<I> {
+        SweepTarget { key, applies: |_| true, set }
     }
 
-    /// A setting that applies only to some inputs.
-    pub(crate) const fn of(
+    /// A target in some inputs only.
+    pub(crate) const fn where_it_applies(
         key: &'static Key,
         applies: fn(&I) -> bool,
         set: fn(&mut I, Quantity),
-    ) -> Setting<I> {
-        Setting { key, applies, set }
+    ) -> SweepTarget<I> {
+        SweepTarget { key, applies, set }
     }
 }
 
@@ -391,7 +391,7 @@ impl<I> Setting<I> {
 pub(crate) fn check_applies<I>(
     sweep: &Sweep,
     inputs: &I,
-    settings: &[Setting<I>],
+    settings: &[SweepTarget<I>],
     what: &str,
 ) -> Result<(), Fault> {
     let (applying, other): (Vec<_>, Vec<_>) = settings.iter().partition(|setting| (setting.applies)(inputs));
@@ -405,27 +405,27 @@ pub(crate) fn check_applies<I>(
 
 /// A value of a swept key at a point.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Swept {
+pub enum SweepValue {
     /// A quantity with its dimension.
     Quantity(Quantity),
     /// A name, or the name of a file without folders and ending.
     Name(String),
 }
 
-impl Swept {
+impl SweepValue {
     /// The quantity, where the value is one.
     pub fn quantity(&self) -> Option<Quantity> {
         match self {
-            Swept::Quantity(quantity) => Some(*quantity),
-            Swept::Name(_) => None,
+            SweepValue::Quantity(quantity) => Some(*quantity),
+            SweepValue::Name(_) => None,
         }
     }
 
     /// The value as a cell of a table.
     pub fn cell(&self) -> Cell {
         match self {
-            Swept::Quantity(quantity) => (*quantity).into(),
-            Swept::Name(name) => Cell::Text(name.clone()),
+            SweepValue::Quantity(quantity) => (*quantity).into(),
+            SweepValue::Name(name) => Cell::Text(name.clone()),
         }
     }
 
@@ -440,11 +440,11 @@ impl Swept {
     }
 }
 
-impl fmt::Display for Swept {
+impl fmt::Display for SweepValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Swept::Quantity(quantity) => quantity.fmt(f),
-            Swept::Name(name) => name.fmt(f),
+            SweepValue::Quantity(quantity) => quantity.fmt(f),
+            SweepValue::Name(name) => name.fmt(f),
         }
     }
 }
@@ -455,7 +455,7 @@ pub(crate) struct Sweepable<I> {
 }
 
 /// Sets a swept value in inputs.
-type SetSwept<I> = Box<dyn Fn(&mut I, &Swept)>;
+type SetSwept<I> = Box<dyn Fn(&mut I, &SweepValue)>;
 
 struct Target<I> {
     key: &'static Key,
@@ -469,18 +469,18 @@ impl<I: Clone + 'static> Sweepable<I> {
     }
 
     /// Adds settings of the inputs themselves.
-    pub(crate) fn own(self, settings: &'static [Setting<I>]) -> Sweepable<I> {
+    pub(crate) fn own(self, settings: &'static [SweepTarget<I>]) -> Sweepable<I> {
         self.part(settings, |inputs| Some(inputs))
     }
 
     /// Adds the settings of a part of the inputs, which may be absent.
     pub(crate) fn part<P: 'static>(
         mut self,
-        settings: &'static [Setting<P>],
+        settings: &'static [SweepTarget<P>],
         part: fn(&mut I) -> Option<&mut P>,
     ) -> Sweepable<I> {
         self.targets.extend(settings.iter().map(|setting| {
-            let set = move |inputs: &mut I, value: &Swept| {
+            let set = move |inputs: &mut I, value: &SweepValue| {
                 if let (Some(part), Some(quantity)) = (part(inputs), value.quantity()) {
                     (setting.set)(part, quantity);
                 }
@@ -492,8 +492,8 @@ impl<I: Clone + 'static> Sweepable<I> {
 
     /// Adds a key that holds a name, of a file or otherwise. Names are set before quantities.
     pub(crate) fn name(mut self, key: &'static Key, set: fn(&mut I, &str)) -> Sweepable<I> {
-        let set = move |inputs: &mut I, value: &Swept| {
-            if let Swept::Name(name) = value {
+        let set = move |inputs: &mut I, value: &SweepValue| {
+            if let SweepValue::Name(name) = value {
                 set(inputs, name);
             }
         };
@@ -503,7 +503,7 @@ impl<I: Clone + 'static> Sweepable<I> {
 
     /// Adds keys that another part of the study sets at its own points.
     pub(crate) fn elsewhere(mut self, keys: Vec<&'static Key>) -> Sweepable<I> {
-        let nothing = |_: &mut I, _: &Swept| {};
+        let nothing = |_: &mut I, _: &SweepValue| {};
         self.targets.extend(keys.into_iter().map(|key| Target { key, set: Box::new(nothing) as _ }));
         self
     }
@@ -518,11 +518,11 @@ impl<I: Clone + 'static> Sweepable<I> {
         self,
         inputs: &I,
         sweeps: &[Sweep],
-    ) -> impl Iterator<Item = (Vec<(&'static str, Swept)>, I)> {
+    ) -> impl Iterator<Item = (Vec<(&'static str, SweepValue)>, I)> {
         points(sweeps).map(move |swept| {
             let mut inputs = inputs.clone();
             let (names, quantities): (Vec<_>, Vec<_>) =
-                swept.iter().partition(|(_, value)| matches!(value, Swept::Name(_)));
+                swept.iter().partition(|(_, value)| matches!(value, SweepValue::Name(_)));
             for (name, value) in names.into_iter().chain(quantities) {
                 let target = self.targets.iter().find(|target| target.key.name == *name);
                 target.into_iter().for_each(|target| (target.set)(&mut inputs, value));
@@ -538,7 +538,7 @@ pub(crate) fn of_name<T: Clone>(files: &[(String, T)], name: &str) -> Option<T> 
 }
 
 /// Sets the swept quantities in `inputs`.
-pub(crate) fn set<I>(inputs: &mut I, settings: &[Setting<I>], swept: &[(&'static str, Swept)]) {
+pub(crate) fn set<I>(inputs: &mut I, settings: &[SweepTarget<I>], swept: &[(&'static str, SweepValue)]) {
     for (name, value) in swept {
         let setting = settings.iter().find(|setting| setting.key.name == *name);
         if let (Some(setting), Some(quantity)) = (setting, value.quantity()) {

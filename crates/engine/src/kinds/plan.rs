@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::key::sweep::{Sweep, Swept};
+use crate::key::sweep::{Sweep, SweepValue};
 use crate::key::{Streams, Unrepresentable};
 use crate::sampling::batches::{Batch, Budget, Records, Steps, Trials, Wanted, Work, held_by_all, lacking};
 use crate::sampling::{Plan, RunError, Tables};
@@ -24,10 +24,10 @@ use sagnac_kernel::curve::Recorded;
 /// The identity of a point of a kind, and the key of its random numbers: its own one, or that of all points of the
 /// study. `inputs` is everything else on which its draws depend, as lines of text.
 pub(crate) fn identity(kind: &str, seed: u64, streams: Streams, inputs: &str) -> (Id, [u32; 2]) {
-    let id = Id::of(&format!("point\nkind={kind}\nseed={seed}\nstreams={}\n{inputs}", streams.name()));
+    let id = Id::from_text(&format!("point\nkind={kind}\nseed={seed}\nstreams={}\n{inputs}", streams.name()));
     match streams {
         Streams::Independent => (id, id.key()),
-        Streams::Common => (id, Id::of(&format!("streams\nkind={kind}\nseed={seed}\n")).key()),
+        Streams::Common => (id, Id::from_text(&format!("streams\nkind={kind}\nseed={seed}\n")).key()),
     }
 }
 
@@ -515,7 +515,7 @@ impl Steps for NoSteps {
 }
 
 /// The name of each swept key with its value at a point, in the order of the sweeps.
-pub(crate) type Values = [(&'static str, Swept)];
+pub(crate) type Values = [(&'static str, SweepValue)];
 
 /// A table of these rows; `swept` gives the values of the swept keys in each row.
 pub fn table<R: Sync>(
@@ -578,8 +578,8 @@ fn column_of(sweep: &Sweep) -> Column {
     Column {
         name: sweep.key.name.to_owned(),
         label: sweep.key.label.to_owned(),
-        unit: sweep.values.first().map(Swept::unit).unwrap_or_default(),
-        written: sweep.values.last().and_then(Swept::written),
+        unit: sweep.values.first().map(SweepValue::unit).unwrap_or_default(),
+        written: sweep.values.last().and_then(SweepValue::written),
         role: Role::Key,
         meaning: sweep.key.label.to_owned(),
         ..Column::default()

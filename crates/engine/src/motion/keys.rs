@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::key::document::{SpannedValue, Table};
-use crate::key::sweep::{Setting, Swept};
+use crate::key::sweep::{SweepTarget, SweepValue};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, unlimited, words};
 use crate::motion::{
     self, Acceleration, Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value, Vibration,
@@ -204,8 +204,8 @@ pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
 };
 
 /// The settings of a motion that can be swept, except the gyro on whose suspension it acts.
-pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
-    Setting::of(
+pub(crate) static SETTINGS: [SweepTarget<Motion>; 12] = [
+    SweepTarget::where_it_applies(
         &AMPLITUDE,
         |motion| matches!(motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
         |motion, new| {
@@ -215,7 +215,7 @@ pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
             }
         },
     ),
-    Setting::of(
+    SweepTarget::where_it_applies(
         &FREQUENCY,
         |motion| matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
         |motion, new| {
@@ -224,34 +224,34 @@ pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
             }
         },
     ),
-    Setting::of(&FREQUENCY_LOW, has_drawn_frequency, |motion, low| {
+    SweepTarget::where_it_applies(&FREQUENCY_LOW, has_drawn_frequency, |motion, low| {
         drawn_frequency(motion).into_iter().for_each(|band| band.low_hz = low.value);
     }),
-    Setting::of(&FREQUENCY_HIGH, has_drawn_frequency, |motion, high| {
+    SweepTarget::where_it_applies(&FREQUENCY_HIGH, has_drawn_frequency, |motion, high| {
         drawn_frequency(motion).into_iter().for_each(|band| band.high_hz = high.value);
     }),
-    Setting::of(&GAUSSIAN_RMS, has_gaussian_band, |motion, new| {
+    SweepTarget::where_it_applies(&GAUSSIAN_RMS, has_gaussian_band, |motion, new| {
         gaussian_band(motion).into_iter().for_each(|(rms, _)| *rms = new.value);
     }),
-    Setting::of(&GAUSSIAN_LOW, has_gaussian_band, |motion, low| {
+    SweepTarget::where_it_applies(&GAUSSIAN_LOW, has_gaussian_band, |motion, low| {
         gaussian_band(motion).into_iter().for_each(|(_, band)| band.low_hz = low.value);
     }),
-    Setting::of(&GAUSSIAN_HIGH, has_gaussian_band, |motion, high| {
+    SweepTarget::where_it_applies(&GAUSSIAN_HIGH, has_gaussian_band, |motion, high| {
         gaussian_band(motion).into_iter().for_each(|(_, band)| band.high_hz = high.value);
     }),
-    Setting::new(&RATE, |motion, rate| motion.rate = rate.value),
-    Setting::new(&ACCELERATION, |motion, acceleration| motion.acceleration = acceleration.value),
-    Setting::of(&SINE_ACCELERATION, is_shaken_by_a_sine, |motion, acceleration| {
+    SweepTarget::new(&RATE, |motion, rate| motion.rate = rate.value),
+    SweepTarget::new(&ACCELERATION, |motion, acceleration| motion.acceleration = acceleration.value),
+    SweepTarget::where_it_applies(&SINE_ACCELERATION, is_shaken_by_a_sine, |motion, acceleration| {
         if let Some(Acceleration::Sine { amplitude_g, .. }) = acceleration_of(motion) {
             *amplitude_g = acceleration.value;
         }
     }),
-    Setting::of(&SINE_FREQUENCY, is_shaken_by_a_sine, |motion, frequency| {
+    SweepTarget::where_it_applies(&SINE_FREQUENCY, is_shaken_by_a_sine, |motion, frequency| {
         if let Some(Acceleration::Sine { frequency_hz, .. }) = acceleration_of(motion) {
             *frequency_hz = frequency.value;
         }
     }),
-    Setting::of(
+    SweepTarget::where_it_applies(
         &RANDOM_RMS,
         |motion| {
             matches!(&motion.vibration, Some(Vibration { acceleration: Acceleration::Random { .. }, .. }))
@@ -394,7 +394,7 @@ fn read_tone(table: &Table, keys: &ToneKeys) -> Result<Tone, Fault> {
         (amplitude, Value::Fixed(amplitude.value))
     };
     let written = table.get(keys.phase);
-    let phase = Phase::of(written);
+    let phase = Phase::from_value(written);
     if let (Value::Rayleigh(_), Some(written), true) = (value, written, phase != Phase::Uniform) {
         let message =
             "a Rayleigh-distributed amplitude goes with a random phase: it is narrow-band Gaussian motion";
@@ -452,9 +452,9 @@ fn read_profile(reading: &ParseContext) -> Result<Profile, Wrong> {
         file.fault(message, "not readable", help)
     })?;
     let record = Record::parse(&path.display().to_string(), &text)?;
-    let position = Position::of(reading.get(&POSITION));
-    let interpolation = Interpolation::of(reading.get(&INTERPOLATION));
-    let design = Design::of(reading.get(&DESIGN));
+    let position = Position::from_value(reading.get(&POSITION));
+    let interpolation = Interpolation::from_value(reading.get(&INTERPOLATION));
+    let design = Design::from_value(reading.get(&DESIGN));
     Ok(Profile { file: file.text().to_owned(), record: Arc::new(record), position, interpolation, design })
 }
 
@@ -518,7 +518,7 @@ impl SuspensionKeys {
         let suspension = match (gyro, modes, swept.and_then(|sweep| sweep.values.first())) {
             (Some(gyro), None, _) => known(gyro)?,
             (None, Some(modes), _) => Suspension::new(self.read_modes(modes)?),
-            (None, None, Some(Swept::Name(name))) => {
+            (None, None, Some(SweepValue::Name(name))) => {
                 Suspension::named(name).unwrap_or(Suspension::new(vec![]))
             }
             _ => {
@@ -535,7 +535,7 @@ impl SuspensionKeys {
     /// given.
     pub(crate) fn assumed(&self, reading: &ParseContext) -> Option<String> {
         let names: Vec<String> = match (reading.sweep(self.gyro), reading.get(self.gyro)) {
-            (Some(sweep), _) => sweep.values.iter().map(Swept::to_string).collect(),
+            (Some(sweep), _) => sweep.values.iter().map(SweepValue::to_string).collect(),
             (None, Some(gyro)) => vec![gyro.text().to_owned()],
             (None, None) => vec![],
         };

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::device::{Advance, GpuError, Job, Tallies};
 use crate::key::Unrepresentable;
-use crate::sampling::{Found, RunError, RunStats, Worker};
+use crate::sampling::{RowEstimates, RunError, RunStats, Worker};
 use crate::store::error::StoreError;
 use crate::store::{Address, Index, Provenance, Row, Store};
 use crate::tally::{Block, Share, base_log2, cover, fold, missing};
@@ -97,12 +97,12 @@ pub(crate) fn estimates<T: Sync>(
     store: Option<&Store>,
     rows: &[T],
     of: impl Fn(&T) -> (Address, u32, f64) + Sync,
-) -> Result<Vec<Found>, StoreError> {
-    let Some(store) = store else { return Ok(vec![Found::default(); rows.len()]) };
+) -> Result<Vec<RowEstimates>, StoreError> {
+    let Some(store) = store else { return Ok(vec![RowEstimates::default(); rows.len()]) };
     let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
     store.of_totals(&addresses, |at, tally| {
         let (_, bin_base, unit) = of(&rows[at]);
-        Found::of(tally, bin_base, unit)
+        RowEstimates::new(tally, bin_base, unit)
     })
 }
 

@@ -214,15 +214,15 @@ pub(crate) fn check_representation(
 
 /// The trials of a row and the estimates from them, which are absent before anything is sampled.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Found {
+pub(crate) struct RowEstimates {
     pub(crate) trials: u64,
     pub(crate) estimates: Option<Estimates>,
 }
 
-impl Found {
+impl RowEstimates {
     /// What a tally gives whose histogram starts at level `bin_base`, with `unit` as the size of one unit of it.
-    pub(crate) fn of(tally: &Moments, bin_base: u32, unit: f64) -> Found {
-        Found { trials: tally.count, estimates: Estimates::of(tally, bin_base, unit) }
+    pub(crate) fn new(tally: &Moments, bin_base: u32, unit: f64) -> RowEstimates {
+        RowEstimates { trials: tally.count, estimates: Estimates::new(tally, bin_base, unit) }
     }
 
     pub(crate) fn value(&self, of: fn(&Estimates) -> f64) -> Option<f64> {

@@ -51,8 +51,8 @@ impl Database {
         single_database(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let flags = OpenFlags::default() | OpenFlags::SQLITE_OPEN_NOFOLLOW;
         let connection = Connection::open_with_flags(real(&path), flags)
-            .map_err(|source| StoreError::of(&path, source))?;
-        let database = Database::of(path, connection, Some(lock));
+            .map_err(|source| StoreError::new(&path, source))?;
+        let database = Database::new(path, connection, Some(lock));
         database.exclusive()?;
         if !database.is_empty()? {
             database.sound()?;
@@ -67,17 +67,17 @@ impl Database {
         Ok(database)
     }
 
-    pub(crate) fn of(path: PathBuf, connection: Connection, lock: Option<Arc<Lock>>) -> Database {
+    pub(crate) fn new(path: PathBuf, connection: Connection, lock: Option<Arc<Lock>>) -> Database {
         // It fails only for a negative limit.
         let _ = connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_BYTES);
         let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
-        let session = Id::of(&format!("{}{count}{:?}", own_name(), SystemTime::now()));
+        let session = Id::from_text(&format!("{}{count}{:?}", own_name(), SystemTime::now()));
         Database { file: file_of(&path), path, connection, _lock: lock, session }
     }
 
     /// Converts an error of SQLite.
     pub(crate) fn failed(&self, error: rusqlite::Error) -> StoreError {
-        StoreError::of(&self.path, error)
+        StoreError::new(&self.path, error)
     }
 
     pub(crate) fn execute_batch(&self, sql: &str) -> Result<(), StoreError> {

@@ -164,7 +164,7 @@ const SALVAGE: &str = "merge this folder with `salvage = true` into a new one, w
 impl StoreError {
     /// Converts an error of SQLite.
     #[cfg(feature = "store")]
-    pub(crate) fn of(path: &Path, source: rusqlite::Error) -> StoreError {
+    pub(crate) fn new(path: &Path, source: rusqlite::Error) -> StoreError {
         let path = path.to_owned();
         let what = source.to_string();
         match (&source, source.sqlite_error_code()) {

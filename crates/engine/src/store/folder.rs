@@ -180,7 +180,7 @@ struct Stamp {
 }
 
 impl Stamp {
-    fn of(found: &Metadata) -> Stamp {
+    fn new(found: &Metadata) -> Stamp {
         Stamp { number: [found.dev(), found.ino()], size: found.len(), modified: found.modified().ok() }
     }
 }
@@ -256,7 +256,7 @@ impl Folder {
         let mut folder = Folder::at(path, true)?;
         // Below the folder that is open, whatever takes the place of its path meanwhile.
         let opened = single_in(&folder.root, LOCK);
-        folder.lock = Some(Arc::new(Lock::of(path, opened)?));
+        folder.lock = Some(Arc::new(Lock::new(path, opened)?));
         folder.with_list()
     }
 
@@ -451,7 +451,7 @@ impl Folder {
         let done = match change {
             Change::Written(before) => put_in_place(&folder, &last, before),
             Change::Removed(before) => {
-                let now = folder.symlink_metadata(&last).ok().map(|found| Stamp::of(&found));
+                let now = folder.symlink_metadata(&last).ok().map(|found| Stamp::new(&found));
                 if now.is_some() && now == before { folder.remove_file(&last) } else { Ok(()) }
             }
         };
@@ -723,7 +723,7 @@ impl Folder {
         }
         let file = open(&folder, &last, OpenOptions::new().read(true)).map_err(failed)?;
         let metadata = file.metadata().map_err(failed)?;
-        let (stamp, is_hollow) = (Stamp::of(&metadata), is_hollow(&metadata));
+        let (stamp, is_hollow) = (Stamp::new(&metadata), is_hollow(&metadata));
         Ok(Some(Found { path, file, stamp, is_hollow, digest: None }))
     }
 
@@ -1070,7 +1070,7 @@ pub fn write_marked(path: &Path, marks: &[&str], contents: &[u8]) -> Result<(), 
             if !marks.iter().all(|mark| beginning.contains(mark)) {
                 return Err(FolderError::Foreign { path: path.to_owned(), earlier: None });
             }
-            Some(Stamp::of(&found))
+            Some(Stamp::new(&found))
         }
     };
     write_whole(&folder, &name, before, |file| file.write_all(contents)).map_err(failed)
@@ -1108,7 +1108,7 @@ fn write_whole(
 
 /// Puts what was written beside the place of a file there, if that is still as it was `before`, or empty.
 fn put_in_place(folder: &Dir, name: &str, before: Option<Stamp>) -> io::Result<()> {
-    match folder.symlink_metadata(name).ok().map(|found| Stamp::of(&found)) {
+    match folder.symlink_metadata(name).ok().map(|found| Stamp::new(&found)) {
         None => rename_new(folder, &partial(name), name),
         now if now == before => folder.rename(partial(name), folder, name),
         Some(_) => Err(ErrorKind::AlreadyExists.into()),

@@ -42,14 +42,14 @@ impl Lock {
     /// # Errors
     /// Another program has the folder, or the lock file cannot be opened.
     pub(crate) fn take(folder: &Path) -> Result<Lock, StoreError> {
-        Lock::of(folder, single(&folder.join(LOCK)))
+        Lock::new(folder, single(&folder.join(LOCK)))
     }
 
     /// Takes a folder by its lock file.
     ///
     /// # Errors
     /// It fails where [`Lock::take`] does.
-    pub(crate) fn of(folder: &Path, opened: std::io::Result<File>) -> Result<Lock, StoreError> {
+    pub(crate) fn new(folder: &Path, opened: std::io::Result<File>) -> Result<Lock, StoreError> {
         let failed = |source: std::io::Error| match source.kind() {
             ErrorKind::ReadOnlyFilesystem => StoreError::ReadOnly(folder.to_owned()),
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => StoreError::Full(folder.to_owned()),

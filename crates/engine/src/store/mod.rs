@@ -91,7 +91,7 @@ pub struct Identity {
 impl Identity {
     /// The study id.
     pub fn id(&self) -> Id {
-        Id::of(&format!("study\nkind={}\nseed={}\nstreams={}\n", self.kind, self.seed, self.streams))
+        Id::from_text(&format!("study\nkind={}\nseed={}\nstreams={}\n", self.kind, self.seed, self.streams))
     }
 }
 
@@ -276,7 +276,7 @@ impl Store {
         rows: &[Row<T>],
         so_far: Option<&Provenance>,
     ) -> Result<(), StoreError> {
-        let rows: Vec<Raw> = rows.iter().map(Raw::of).collect();
+        let rows: Vec<Raw> = rows.iter().map(Raw::new).collect();
         self.keep.insert(&rows, so_far, &self.path).map(drop)
     }
 

@@ -29,7 +29,7 @@ pub(crate) struct Raw {
 }
 
 impl Raw {
-    pub(crate) fn of<T: Tally>(row: &Row<T>) -> Raw {
+    pub(crate) fn new<T: Tally>(row: &Row<T>) -> Raw {
         let Row { address, block, tally } = row;
         let sums = tally.encode();
         Raw { address: *address, block: *block, checksum: checksum(address, *block, &sums), sums }

@@ -96,8 +96,8 @@ impl Source {
             let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | ALONE;
             Connection::open_with_flags(uri, flags)
         };
-        let connection = connection.map_err(|source| StoreError::of(&path, source))?;
-        let database = Database::of(path, connection, lock);
+        let connection = connection.map_err(|source| StoreError::new(&path, source))?;
+        let database = Database::new(path, connection, lock);
         if is_replayed {
             database.exclusive()?;
         }
@@ -156,7 +156,7 @@ impl Source {
         mut hear: impl FnMut(Result<Raw, StoreError>) -> Result<(), StoreError>,
     ) -> Result<(), StoreError> {
         let Database { path, connection, .. } = &self.database;
-        let failed = |source| StoreError::of(path, source);
+        let failed = |source| StoreError::new(path, source);
         let order = if backwards { "DESC" } else { "ASC" };
         let keys = ["point", "estimate", "first", "log2"].map(|key| format!("{key} {order}")).join(", ");
         let sql = format!("SELECT {COLUMNS} FROM tally ORDER BY {keys}");

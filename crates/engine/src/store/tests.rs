@@ -19,7 +19,11 @@ fn identity() -> Identity {
 }
 
 fn address() -> Address {
-    Address { point: Id::of("point"), estimate: Id::of("estimate"), digest: Id::of("digest") }
+    Address {
+        point: Id::from_text("point"),
+        estimate: Id::from_text("estimate"),
+        digest: Id::from_text("digest"),
+    }
 }
 
 fn row(first: u64, log2: u32) -> Row<Moments> {
@@ -54,8 +58,9 @@ fn totals_of_many_come_in_the_order_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
     // Twice as many as are read at once.
-    let addresses: Vec<Address> =
-        (0..2500).map(|i| Address { estimate: Id::of(&format!("estimate {i}")), ..address() }).collect();
+    let addresses: Vec<Address> = (0..2500)
+        .map(|i| Address { estimate: Id::from_text(&format!("estimate {i}")), ..address() })
+        .collect();
     let of = |(i, address): (usize, &Address)| Row { address: *address, ..row(0, 1 + (i % 3) as u32) };
     let rows: Vec<_> = addresses.iter().enumerate().filter(|(i, _)| i % 7 != 0).map(of).collect();
     store.insert(&rows, None).unwrap();
@@ -63,7 +68,7 @@ fn totals_of_many_come_in_the_order_asked_for() {
     let expected = |i: usize| if i.is_multiple_of(7) { 0 } else { 2 << (i % 3) };
     assert_eq!(found, (0..2500).map(|i| (i, expected(i))).collect::<Vec<_>>());
     let mut wrong = addresses.clone();
-    wrong[1801].digest = Id::of("another kernel");
+    wrong[1801].digest = Id::from_text("another kernel");
     assert!(matches!(store.of_totals(&wrong, |_, _| ()), Err(StoreError::Disagrees { .. })));
     assert_eq!(store.of_totals(&[], |_, _| ()).unwrap().len(), 0);
 }
@@ -73,7 +78,7 @@ fn tallies_of_a_point_are_found_whichever_of_them_are_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
     let of = |point: &str, i: u32| {
-        let (point, estimate) = (Id::of(point), Id::of(&format!("estimate {i}")));
+        let (point, estimate) = (Id::from_text(point), Id::from_text(&format!("estimate {i}")));
         Address { point, estimate, ..address() }
     };
     let rows: Vec<_> = ["a", "b"]
@@ -115,7 +120,7 @@ fn rows_from_other_parameters_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
     store.insert(&[row(0, 2)], Some(&so_far(8))).unwrap();
-    let changed = Address { digest: Id::of("another kernel"), ..address() };
+    let changed = Address { digest: Id::from_text("another kernel"), ..address() };
     assert!(matches!(store.index().unwrap().blocks(&changed), Err(StoreError::Disagrees { .. })));
     assert!(matches!(store.total(&changed), Err(StoreError::Disagrees { .. })));
 }

@@ -40,7 +40,7 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
     #[inline(always)]
     fn new(launch: &'a Launch, shape: Shape) -> GapFill<'a, KEPT, GAUSSIANS> {
         launch.assert_fits(&shape);
-        let p = Parameters::of(launch.words(), shape);
+        let p = Parameters::new(launch.words(), shape);
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
         GapFill { given: Given { p, table: launch.table(), shape }, keys }
     }

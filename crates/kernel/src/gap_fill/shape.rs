@@ -133,7 +133,7 @@ impl launch::Shape for Shape {
         if !self.profile {
             return Ok(start);
         }
-        let p = Parameters::of(words, *self);
+        let p = Parameters::new(words, *self);
         let (positions, length) = (p.positions[0], p.gap_length[0]);
         if positions == 0 || positions as usize > MAX_TABLE {
             return Err(Misfit::Field("positions"));

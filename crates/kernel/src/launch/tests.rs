@@ -39,14 +39,14 @@ const SWITCHED: switched_run::Shape = switched_run::Shape {
 fn profile_words(shape: gap_fill::Shape, positions: u32, gap: u32) -> Vec<u32> {
     let zeros = vec![0; shape.words()];
     let (length, positions, inverse) = ([gap], [positions], [u32::MAX / positions.max(1)]);
-    let p = gap_fill::Parameters::of(&zeros, shape);
+    let p = gap_fill::Parameters::new(&zeros, shape);
     gap_fill::Parameters { gap_length: &length, positions: &positions, positions_inverse: &inverse, ..p }
         .words()
 }
 
 fn switched_words(intervals: u32) -> Vec<u32> {
     let zeros = vec![0; SWITCHED.words()];
-    let p = switched_run::Parameters::of(&zeros, SWITCHED);
+    let p = switched_run::Parameters::new(&zeros, SWITCHED);
     switched_run::Parameters { intervals: &[intervals], ..p }.words()
 }
 

@@ -99,7 +99,7 @@ impl<'a> SwitchedRun<'a> {
     #[inline(always)]
     fn new(launch: &'a Launch, shape: Shape) -> SwitchedRun<'a> {
         launch.assert_fits(&shape);
-        let p = Parameters::of(launch.words(), shape);
+        let p = Parameters::new(launch.words(), shape);
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
         SwitchedRun { p, table: launch.table(), shape, keys }
     }
@@ -241,7 +241,7 @@ impl<'a> SwitchedRun<'a> {
 
     #[inline(always)]
     fn relock(&self, shape: relock_ticks::Shape) -> Given<'a> {
-        Given { p: relock_ticks::Parameters::of(self.p.relock, shape), shape }
+        Given { p: relock_ticks::Parameters::new(self.p.relock, shape), shape }
     }
 
     /// The effect of relocking after the switch that ends interval `k`, LSB: the ticks themselves and their effect on

@@ -103,7 +103,7 @@ impl launch::Shape for Shape {
     }
 
     fn table_words(&self, words: &[u32]) -> Result<usize, Misfit> {
-        let intervals = Parameters::of(words, *self).intervals[0];
+        let intervals = Parameters::new(words, *self).intervals[0];
         if u64::from(intervals) > MAX_STEPS {
             return Err(Misfit::Field("intervals"));
         }
@@ -116,7 +116,7 @@ impl launch::Shape for Shape {
 
     fn steps(&self, words: &[u32]) -> u64 {
         let relock = self.relock.map_or(0, |relock| relock.ticks as u64);
-        u64::from(Parameters::of(words, *self).intervals[0]) * (1 + relock)
+        u64::from(Parameters::new(words, *self).intervals[0]) * (1 + relock)
     }
 
     fn words(&self) -> usize {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use crate::allan::Spread;
+use crate::allan::Overdispersion;
 
 /// Angles at evenly spaced times: the integral of a rate without its mean.
 ///
@@ -24,7 +24,7 @@ pub struct Angles {
     /// Number of known increments before each angle; absent where none is missing.
     known: Option<Vec<u32>>,
     /// Computed when first asked for, since several results of a record need them.
-    spread: OnceLock<Spread>,
+    spread: OnceLock<Overdispersion>,
     bridged: OnceLock<Bridged>,
 }
 
@@ -57,7 +57,7 @@ impl Angles {
     /// assert_eq!((angles.len(), angles.missing()), (6, 1));
     /// ```
     pub fn from_increments(increments: &[f64], scale: f64, step_s: f64, trend: Trend) -> Angles {
-        let line = Line::of(trend, increments.len(), |i| increments[i]);
+        let line = Line::new(trend, increments.len(), |i| increments[i]);
         let mut values = Vec::with_capacity(increments.len() + 1);
         let (mut runs, mut start, mut missing, mut angle) = (Vec::new(), 0, 0, 0.0);
         values.push(0.0);
@@ -82,7 +82,7 @@ impl Angles {
     /// Angles on both sides of a missing one are still known relative to each other, so only terms that need the
     /// missing angle are left out.
     pub fn from_angles(angles: &[f64], scale: f64, step_s: f64, trend: Trend) -> Angles {
-        let line = Line::of(trend, angles.len().saturating_sub(1), |i| angles[i + 1] - angles[i]);
+        let line = Line::new(trend, angles.len().saturating_sub(1), |i| angles[i + 1] - angles[i]);
         let first = angles.iter().copied().find(|angle| angle.is_finite()).unwrap_or(0.0);
         let values: Vec<f64> = angles
             .iter()
@@ -144,12 +144,12 @@ impl Angles {
     }
 
     /// Deviations of the Allan variances of the record beyond those of Gaussian noise.
-    pub fn spread(&self) -> &Spread {
+    pub fn spread(&self) -> &Overdispersion {
         match self.spread.get() {
             Some(spread) => spread,
             // Not inside the lock, for which a thread of the same pool could wait for ever.
             None => {
-                let spread = Spread::of(self);
+                let spread = Overdispersion::new(self);
                 self.spread.get_or_init(|| spread)
             }
         }
@@ -403,7 +403,7 @@ pub struct Line {
 
 impl Line {
     /// The mean, and with [`Trend::Linear`] the slope, of the finite ones of `count` increments.
-    pub(crate) fn of(trend: Trend, count: usize, increment: impl Fn(usize) -> f64) -> Line {
+    pub(crate) fn new(trend: Trend, count: usize, increment: impl Fn(usize) -> f64) -> Line {
         let known = || (0..count).map(|i| (i as f64, increment(i))).filter(|(_, y)| y.is_finite());
         let (number, sum) = known().fold((0_usize, 0.0), |(number, sum), (_, y)| (number + 1, sum + y));
         let mean = if number == 0 { 0.0 } else { sum / number as f64 };
@@ -493,10 +493,10 @@ mod tests {
     fn the_line_is_that_of_least_squares_over_the_known_increments() {
         // By hand: places 0, 1, 3 and values 1, 2, 6; means 4/3 and 3, slope (8/3 + 1/3 + 5) / (14/3).
         let values = [1.0, 2.0, f64::NAN, 6.0];
-        let line = Line::of(Trend::Linear, 4, |i| values[i]);
+        let line = Line::new(Trend::Linear, 4, |i| values[i]);
         assert!((line.mean - 3.0).abs() < 1e-15 && (line.slope - 12.0 / 7.0).abs() < 1e-15, "{line:?}");
         let sum: f64 = (0..4).map(|i| line.at(i)).sum();
         assert!((line.sum(4) - sum).abs() < 1e-14);
-        assert_eq!(Line::of(Trend::None, 4, |i| values[i]).slope, 0.0);
+        assert_eq!(Line::new(Trend::None, 4, |i| values[i]).slope, 0.0);
     }
 }

@@ -193,17 +193,17 @@ const SURE: f64 = 0.999;
 /// Relative standard deviations that the Allan variances of a record have beyond those of Gaussian noise, one for each octave of the
 /// averaging factor.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Spread(Vec<f64>);
+pub struct Overdispersion(Vec<f64>);
 
-impl Spread {
+impl Overdispersion {
     /// The spread of the overlapping Allan variances of a record. It is 0 unless the parts differ at some averaging factor more than
     /// those of one in a thousand records of Gaussian noise.
-    pub(crate) fn of(angles: &Angles) -> Spread {
+    pub(crate) fn new(angles: &Angles) -> Overdispersion {
         let length = angles.len() / PARTS;
         let octaves: Vec<usize> =
             (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| 2 * m < length).collect();
         if octaves.is_empty() {
-            return Spread::default();
+            return Overdispersion::default();
         }
         let of_part = |i: usize| sums(&angles.part(i * length..(i + 1) * length), Deviation::Oadev, &octaves);
         let parts: Vec<Vec<Sum>> = (0..PARTS).map(of_part).collect();
@@ -215,7 +215,7 @@ impl Spread {
         let found: Vec<Option<Scatter>> = octaves.par_iter().enumerate().map(scatter).collect();
         let found: Vec<Scatter> = found.into_iter().map_while(|scatter| scatter).collect();
         let is_sure = found.iter().any(|scatter| scatter.is_sure);
-        Spread(found.iter().map(|scatter| if is_sure { scatter.spread } else { 0.0 }).collect())
+        Overdispersion(found.iter().map(|scatter| if is_sure { scatter.spread } else { 0.0 }).collect())
     }
 
     /// The relative standard deviation at the averaging factor `m`. Beyond the longest one for which parts show it, it is that of
@@ -226,8 +226,8 @@ impl Spread {
     }
 
     /// That of a record of the same noise that is `times` as long.
-    pub fn over(&self, times: f64) -> Spread {
-        Spread(self.0.iter().map(|spread| spread / libm::sqrt(times)).collect())
+    pub fn over(&self, times: f64) -> Overdispersion {
+        Overdispersion(self.0.iter().map(|spread| spread / libm::sqrt(times)).collect())
     }
 
     /// The greatest one.
@@ -266,8 +266,8 @@ mod tests {
     use super::*;
     use crate::allan::Trend;
 
-    fn spread(rates: &[f64]) -> Spread {
-        Spread::of(&Angles::from_increments(rates, 1.0, 1.0, Trend::None))
+    fn spread(rates: &[f64]) -> Overdispersion {
+        Overdispersion::new(&Angles::from_increments(rates, 1.0, 1.0, Trend::None))
     }
 
     fn white(count: usize) -> Vec<f64> {
@@ -279,7 +279,7 @@ mod tests {
     #[test]
     fn gaussian_noise_has_none() {
         assert_eq!(spread(&white(100_000)).most(), 0.0);
-        assert_eq!(spread(&white(20)), Spread(vec![]));
+        assert_eq!(spread(&white(20)), Overdispersion(vec![]));
     }
 
     /// Half of the parts have four times the variance: the parts scatter by 0.6 of their mean.

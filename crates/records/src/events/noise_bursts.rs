@@ -81,7 +81,7 @@ pub(crate) fn event(angles: &Angles, samples: &Range<usize>, without: &Angles) -
     Event {
         size: Some(libm::sqrt(added.max(0.0)) / angles.step_s),
         samples: Some([samples.start, samples.end]),
-        ..Event::of(What::NoiseBurst)
+        ..Event::new(What::NoiseBurst)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The input of a fit: estimates of the Allan variance of a record at averaging factors, and the covariance between them, prepared
 //! for weighting.
 
-use crate::allan::{Angles, Deviation, Point, Spread, curve};
+use crate::allan::{Angles, Deviation, Overdispersion, Point, curve};
 use crate::fit::search::{Fitted, dot};
 use crate::fit::uncertainty::Variance;
 use sagnac_theory::allan::gaussian::{self, Components};
@@ -17,7 +17,7 @@ pub struct Curve {
     ms: Vec<u64>,
     variances: Vec<f64>,
     octaves: usize,
-    spread: Spread,
+    spread: Overdispersion,
     /// Standard deviation of each estimate over that of a record without gaps.
     costs: Vec<f64>,
 }
@@ -107,7 +107,7 @@ impl Curve {
             return Err(FitError::TooLong { m, samples });
         }
         let octaves = flicker::octaves(samples).ok_or(FitError::TooManySamples(samples))?;
-        let (spread, costs) = (Spread::default(), vec![1.0; ms.len()]);
+        let (spread, costs) = (Overdispersion::default(), vec![1.0; ms.len()]);
         Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread, costs })
     }
 
@@ -122,7 +122,7 @@ impl Curve {
     }
 
     /// The curve with the spread of its record.
-    pub fn spread_by(self, spread: Spread) -> Curve {
+    pub fn spread_by(self, spread: Overdispersion) -> Curve {
         Curve { spread, ..self }
     }
 
@@ -172,7 +172,7 @@ impl Curve {
     }
 
     /// Deviations that the estimates have in common beyond those of Gaussian noise.
-    pub fn spread(&self) -> &Spread {
+    pub fn spread(&self) -> &Overdispersion {
         &self.spread
     }
 

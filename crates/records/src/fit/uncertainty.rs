@@ -130,7 +130,7 @@ impl<'a> Judge<'a> {
                     value: Some(libm::sqrt(estimate)),
                     standard_error: Some(0.5 * error_of_square / libm::sqrt(estimate)),
                     interval: Some([libm::sqrt(low), libm::sqrt(high)]),
-                    shape: term.has_shape().then(|| Shape::of(shape, error(column + 1))),
+                    shape: term.has_shape().then(|| Shape::new(shape, error(column + 1))),
                     verdict: Verdict::Identified,
                     evidence: None,
                 }
@@ -161,7 +161,7 @@ impl<'a> Judge<'a> {
 }
 
 impl Shape {
-    fn of(value: f64, logarithmic_error: f64) -> Shape {
+    fn new(value: f64, logarithmic_error: f64) -> Shape {
         let factor = libm::exp(WITHIN_95 * logarithmic_error);
         Shape { value, standard_error: value * logarithmic_error, interval: [value / factor, value * factor] }
     }

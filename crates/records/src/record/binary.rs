@@ -347,7 +347,7 @@ impl Arrays {
     ///
     /// # Errors
     /// There are no columns, or too many.
-    pub(crate) fn of(
+    pub(crate) fn new(
         file: &str,
         arrays: &[Array],
         left_out: &[String],

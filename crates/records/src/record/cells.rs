@@ -14,7 +14,7 @@ pub(crate) enum Delimiter {
 impl Delimiter {
     /// The delimiter of the `first` line and of the one after it, a `row` of numbers: a sign that occurs equally often in both, or
     /// else one in the row. A comma does not count where it stands for the decimal point.
-    pub(crate) fn of(first: &[u8], row: &[u8], decimal: Decimal) -> Delimiter {
+    pub(crate) fn parse(first: &[u8], row: &[u8], decimal: Decimal) -> Delimiter {
         let signs: &[u8] = if decimal == Decimal::Comma { b"\t;" } else { b"\t;," };
         let signs = || signs.iter().copied().filter(|sign| row.trim_ascii().contains(sign));
         let equal = |sign: &u8| Delimiter::Byte(*sign).count(first) == Delimiter::Byte(*sign).count(row);
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     fn cells(line: &str) -> Vec<&str> {
-        Cells::new(line.as_bytes(), Delimiter::of(line.as_bytes(), line.as_bytes(), Decimal::Point))
+        Cells::new(line.as_bytes(), Delimiter::parse(line.as_bytes(), line.as_bytes(), Decimal::Point))
             .map(|cell| &line[cell])
             .collect()
     }

@@ -69,7 +69,7 @@ impl Layout {
     ///
     /// # Errors
     /// The log has no rows.
-    pub(crate) fn of(head: &[u8], file: &str, decimal: Option<Decimal>) -> Result<Layout, RecordError> {
+    pub(crate) fn parse(head: &[u8], file: &str, decimal: Option<Decimal>) -> Result<Layout, RecordError> {
         let labview = labview(head);
         let (header_end, stated) =
             stable32(head, file).or_else(|| Some((labview?, Stated::default()))).unwrap_or_default();
@@ -103,8 +103,8 @@ impl Layout {
                 numbers.extend(decimal_found.value(&line.text[cell]));
             }
         }
-        let date = shown.iter().find_map(|cell| First::of(cell));
-        let of_calendar = |cell: &Vec<u8>| Calendar::of(cell)?.seconds(cell, date.unwrap_or(First::Month));
+        let date = shown.iter().find_map(|cell| First::parse(cell));
+        let of_calendar = |cell: &Vec<u8>| Calendar::parse(cell)?.seconds(cell, date.unwrap_or(First::Month));
         let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| of_calendar(cell));
         let mut layout = Layout {
             file: file.to_owned(),
@@ -114,7 +114,7 @@ impl Layout {
             columns: cells.len(),
             numbers: shown.iter().map(number).collect(),
             rows: numbers,
-            calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
+            calendar: shown.iter().map(|cell| Calendar::parse(cell)).collect(),
             first: date,
             start: first.start,
             lines: first.number - 1,
@@ -137,7 +137,7 @@ impl Layout {
         }
         if is_header(&cells, decimal_found) {
             let units = content.get(1).map(|line| texts(line.text, delimiter)).filter(|units| {
-                let is_row = units.iter().any(|cell| Calendar::of(cell.as_bytes()).is_some());
+                let is_row = units.iter().any(|cell| Calendar::parse(cell.as_bytes()).is_some());
                 units.len() == cells.len() && is_header(units, decimal_found) && content.len() > 2 && !is_row
             });
             let last = if units.is_some() { &content[1] } else { first };
@@ -266,7 +266,7 @@ const MAX_HEADER: usize = 200;
 fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {
     let (first, row) = (content[0].text, content.last().unwrap_or(&content[0]).text);
     let found =
-        |decimal| (Delimiter::of(first, content.get(1).unwrap_or(&content[0]).text, decimal), decimal);
+        |decimal| (Delimiter::parse(first, content.get(1).unwrap_or(&content[0]).text, decimal), decimal);
     if let Some(decimal) = decimal {
         return found(decimal);
     }
@@ -385,7 +385,7 @@ mod tests {
     use super::*;
 
     fn layout(text: &str) -> Layout {
-        Layout::of(text.as_bytes(), "g.csv", None).unwrap()
+        Layout::parse(text.as_bytes(), "g.csv", None).unwrap()
     }
 
     fn bare(layout: &Layout) -> Vec<&str> {
@@ -507,7 +507,7 @@ mod tests {
     #[test]
     fn a_file_without_samples_says_so() {
         for (text, piece) in [("", "is empty"), ("# only\n\n", "has no samples")] {
-            let error = Layout::of(text.as_bytes(), "g.csv", None).unwrap_err();
+            let error = Layout::parse(text.as_bytes(), "g.csv", None).unwrap_err();
             assert!(error.to_string().contains(piece), "{error}");
         }
         assert_eq!(layout("a,b\n").columns, 2);

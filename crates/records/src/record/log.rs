@@ -310,7 +310,7 @@ impl<'a> Samples<'a> {
     /// Why the unit of these samples is doubtful, if it is. Only the mean is examined, which no deviation depends on. A mean within its own
     /// error says nothing of the Earth's rotation.
     pub fn doubt(&self) -> Option<Doubt> {
-        let doubt = Doubt::of(self.mean_rate()?.abs(), self.unit, self.data);
+        let doubt = Doubt::new(self.mean_rate()?.abs(), self.unit, self.data);
         doubt.filter(|doubt| !matches!(doubt, Doubt::DegreesAsRadians(_)) || self.has_mean())
     }
 }
@@ -349,7 +349,7 @@ const DEGREES: [Degree; 3] = [
 const ACCEPTED: &str = "give its unit as in `temperature_unit = K`; accepted: °C (degC, C, celsius), K, °F (degF, F, fahrenheit)";
 
 impl Degree {
-    pub(crate) fn of(text: &str) -> Option<&'static Degree> {
+    pub(crate) fn parse(text: &str) -> Option<&'static Degree> {
         let text: String = text.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect();
         DEGREES.iter().find(|degree| degree.spellings.contains(&text.as_str()))
     }
@@ -363,7 +363,7 @@ impl Degree {
     /// The unit at the end of a name such as `temp_degC` or `temp C`.
     fn at_the_end(name: &str) -> Option<&'static Degree> {
         let (_, unit) = name.rsplit_once(['_', ' '])?;
-        Degree::of(unit)
+        Degree::parse(unit)
     }
 }
 
@@ -380,7 +380,7 @@ impl Thermometer {
     ) -> Result<&'static Degree, RecordError> {
         let name = file.names().get(column);
         match self.unit.as_deref().or(name.and_then(|name| name.unit.as_deref())) {
-            Some(unit) => Degree::of(unit).ok_or_else(|| {
+            Some(unit) => Degree::parse(unit).ok_or_else(|| {
                 let message = format!(
                     "`{unit}` is not a unit of temperature, for the temperature {}",
                     file.title(column)

@@ -275,7 +275,7 @@ pub(crate) fn complete(
             why = format!(", by the steps of its times ({})", others.join(", "));
         }
         let [logger] = fitting[..] else {
-            return Some(Known::Several(Rivals::of(&all, names, step)));
+            return Some(Known::Several(Rivals::new(&all, names, step)));
         };
         logger
     };
@@ -298,7 +298,7 @@ pub(crate) fn complete(
 }
 
 impl Rivals {
-    fn of(all: &[(&Logger, &Signs)], names: &[Name], step: &dyn Fn(usize) -> Option<f64>) -> Rivals {
+    fn new(all: &[(&Logger, &Signs)], names: &[Name], step: &dyn Fn(usize) -> Option<f64>) -> Rivals {
         let makers: Vec<&str> = all.iter().map(|(logger, _)| logger.name).collect();
         let differs = |name: &&Name| {
             let mut units = all.iter().map(|(logger, _)| logger.unit(name));

@@ -48,14 +48,15 @@ impl<'a> Text<'a> {
     /// Finds the layout, with these decimals if they are given.
     pub(crate) fn open(source: Source<'a>, decimal: Option<Decimal>) -> Result<Text<'a>, RecordError> {
         let layout = if source.is_whole() {
-            Layout::of(&source.head, &source.file, decimal)?
+            Layout::parse(&source.head, &source.file, decimal)?
         } else {
             // The last line goes on behind the head: its cells cannot be counted.
             let whole = source.head.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
             match whole {
                 // Not text, which is said where the rows are read.
-                0 if source.head.contains(&0) => Layout::of(&source.head, &source.file, decimal)?,
-                _ => Layout::of(&source.head[..whole], &source.file, decimal).map_err(|_| hidden(&source))?,
+                0 if source.head.contains(&0) => Layout::parse(&source.head, &source.file, decimal)?,
+                _ => Layout::parse(&source.head[..whole], &source.file, decimal)
+                    .map_err(|_| hidden(&source))?,
             }
         };
         Ok(Text { origin: source.origin, rows: source.from(layout.start), layout, comments: 0 })

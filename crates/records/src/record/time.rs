@@ -142,7 +142,7 @@ pub(crate) enum First {
 
 impl First {
     /// The order of the date in a cell: that of months first, if both are possible.
-    pub(crate) fn of(cell: &[u8]) -> Option<First> {
+    pub(crate) fn parse(cell: &[u8]) -> Option<First> {
         let text = std::str::from_utf8(cell).ok().filter(|text| text.find('/').is_some_and(|at| at < 3))?;
         [First::Month, First::Day].into_iter().find(|first| {
             Calendar::Date.seconds(text.as_bytes(), *first).is_some()
@@ -157,8 +157,8 @@ impl First {
 
 impl Calendar {
     /// What a cell holds, if it is neither a number nor other text.
-    pub(crate) fn of(cell: &[u8]) -> Option<Calendar> {
-        let first = First::of(cell).unwrap_or(First::Month);
+    pub(crate) fn parse(cell: &[u8]) -> Option<Calendar> {
+        let first = First::parse(cell).unwrap_or(First::Month);
         let holds = |calendar: &Calendar| !cell.is_empty() && calendar.seconds(cell, first).is_some();
         [Calendar::Date, Calendar::Time, Calendar::Since].into_iter().find(holds)
     }
@@ -334,11 +334,11 @@ mod tests {
         for (cell, expected) in
             [("0 sec", 0.0), ("0.01 sec", 0.01), ("1.5 min", 90.0), ("2 hr", 7200.0), ("1e-3 s", 1e-3)]
         {
-            assert_eq!(Calendar::of(cell.as_bytes()), Some(Calendar::Since), "{cell}");
+            assert_eq!(Calendar::parse(cell.as_bytes()), Some(Calendar::Since), "{cell}");
             assert_eq!(Calendar::Since.seconds(cell.as_bytes(), First::Month), Some(expected), "{cell}");
         }
         for cell in ["0.01", "0.01 V", "sec", "inf sec", "a sec"] {
-            assert_eq!(Calendar::of(cell.as_bytes()), None, "{cell}");
+            assert_eq!(Calendar::parse(cell.as_bytes()), None, "{cell}");
         }
     }
 
@@ -346,7 +346,7 @@ mod tests {
     fn dates_and_times_are_read_as_loggers_and_spreadsheets_write_them() {
         let noon = 1_524_650_413.0;
         let read = |calendar: Calendar, text: &str| {
-            let first = First::of(text.as_bytes()).unwrap_or(First::Month);
+            let first = First::parse(text.as_bytes()).unwrap_or(First::Month);
             calendar.seconds(text.as_bytes(), first)
         };
         for text in [
@@ -364,13 +364,13 @@ mod tests {
             "25.04.18 10:00:13:000",
         ] {
             assert_eq!(read(Calendar::Time, text), Some(noon), "{text}");
-            assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Time), "{text}");
+            assert_eq!(Calendar::parse(text.as_bytes()), Some(Calendar::Time), "{text}");
         }
         for (text, seconds) in
             [("1970-01-01", 0.0), ("2000-02-29", 951_782_400.0), ("01.03.2000", 951_868_800.0)]
         {
             assert_eq!(read(Calendar::Date, text), Some(seconds), "{text}");
-            assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Date), "{text}");
+            assert_eq!(Calendar::parse(text.as_bytes()), Some(Calendar::Date), "{text}");
         }
         for (text, seconds) in [("10:00:13.25", 36_013.25), ("12:00:00 am", 0.0), ("1:30:00 PM", 48_600.0)] {
             assert_eq!(read(Calendar::Time, text), Some(seconds), "{text}");
@@ -388,7 +388,7 @@ mod tests {
             ("25.01.2024", None),
             ("1.5", None),
         ] {
-            assert_eq!(First::of(text.as_bytes()), first, "{text}");
+            assert_eq!(First::parse(text.as_bytes()), first, "{text}");
         }
         assert_eq!(Calendar::Date.seconds(b"25/01/2024", First::Month), None);
     }
@@ -408,7 +408,7 @@ mod tests {
             "imu",
             "1-2-3",
         ] {
-            assert_eq!(Calendar::of(text.as_bytes()), None, "{text}");
+            assert_eq!(Calendar::parse(text.as_bytes()), None, "{text}");
         }
     }
 }

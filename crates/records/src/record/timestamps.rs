@@ -267,7 +267,7 @@ pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Optio
 pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
     let gaps = match exact_gaps(stamps) {
         Some(exact) if (exact.step / step - 1.0).abs() < MAX_DRIFT => exact.gaps,
-        _ => Points::of(stamps).gaps(step),
+        _ => Points::new(stamps).gaps(step),
     };
     let mut next = gaps.iter().peekable();
     let steps = |row: usize| 1.0 + next.next_if(|gap| gap.0 == row).map_or(0.0, |gap| gap.1);
@@ -276,7 +276,7 @@ pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Gri
 
 /// The mean step between samples over the whole record, without the gaps.
 pub(crate) fn mean_step(stamps: &[f64]) -> f64 {
-    exact_gaps(stamps).map_or_else(|| Points::of(stamps).step(), |exact| exact.step)
+    exact_gaps(stamps).map_or_else(|| Points::new(stamps).step(), |exact| exact.step)
 }
 
 /// The part by which the mean step may be off because the stamps do not tell which samples are missing; 0 where they do.
@@ -284,7 +284,7 @@ pub(crate) fn uncertainty(stamps: &[f64]) -> f64 {
     if let Some(exact) = exact_gaps(stamps) {
         return beat(&exact.gaps).map_or(0.0, |distance| 1.0 / distance as f64);
     }
-    let unseen = Points::of(stamps).unseen();
+    let unseen = Points::new(stamps).unseen();
     let are_many = unseen > MIN_UNSEEN_SHARE && unseen * stamps.len() as f64 > MIN_UNSEEN;
     if are_many { MAX_PER_UNSEEN * unseen } else { 0.0 }
 }
@@ -380,7 +380,7 @@ struct Points {
 impl Points {
     /// Where stamps are rounded down, the first row of each is nearest to it; in a burst it is the last one. Those of which the
     /// stamps follow the rows more closely are taken.
-    fn of(stamps: &[f64]) -> Points {
+    fn new(stamps: &[f64]) -> Points {
         let rows = stamps.len();
         let points = |rows: Vec<usize>, starts: Vec<usize>| {
             let stamps = rows.iter().map(|&row| stamps[row]).collect();

@@ -197,7 +197,7 @@ impl Floor {
     ///
     /// # Bias
     /// Other noise that is too weak in the range to show as a slope is part of the floor.
-    pub fn of(density: &Density, lines: &[Line]) -> Option<Floor> {
+    pub fn new(density: &Density, lines: &[Line]) -> Option<Floor> {
         let median = Median::new(density.freedom)?;
         let is_clear = |k: &usize| !lines.iter().any(|line| line.places.contains(&(k - 1)));
         let values = |bins: Range<usize>| -> Vec<f64> {

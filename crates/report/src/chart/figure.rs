@@ -92,7 +92,7 @@ pub struct Grouping {
 
 impl Grouping {
     /// The names of the styles 0, 1, 2, ….
-    pub fn of(title: &str, names: impl IntoIterator<Item = String>) -> Grouping {
+    pub fn new(title: &str, names: impl IntoIterator<Item = String>) -> Grouping {
         let entries = names.into_iter().enumerate().map(|(style, name)| Entry { style, name });
         Grouping { title: title.to_owned(), entries: entries.collect() }
     }

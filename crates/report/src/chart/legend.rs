@@ -54,7 +54,7 @@ pub enum Sample {
 impl Legend {
     /// The legend of a figure: one part for the colours, one for dashes and markers, one for laws, one for the meaning
     /// of points, lines and bands, and one for the parts of a sum.
-    pub fn of(figure: &Figure) -> Legend {
+    pub fn new(figure: &Figure) -> Legend {
         let mut legend = Legend::default();
         let own_dashes = !figure.dashes.entries.is_empty();
         legend.grouping(&figure.colours, |style| {

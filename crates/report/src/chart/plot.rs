@@ -16,7 +16,7 @@ impl Figure {
             // The names are written in lines instead.
             x_ticks.major.iter_mut().for_each(|(_, label)| label.clear());
         }
-        let legend = Legend::of(self);
+        let legend = Legend::new(self);
         let (title, subtitle) = (&self.title, self.subtitle.as_deref());
         let titles = Titles { title, subtitle, x: &self.x, y: &self.y };
         let frame = titles.frame(&y_ticks, legend.width());

@@ -139,7 +139,7 @@ pub fn data<'t>(charts: &[&Drawn], all: &[&Drawn], tables: &[(&'t str, &'t Table
     let packed_charts = charts.iter().map(|drawn| Chart {
         stem: drawn.stem.clone(),
         picture: json(&one_in(thinned, &drawn.picture)),
-        axes: Axes::of(&drawn.picture),
+        axes: Axes::new(&drawn.picture),
         words: match &drawn.picture {
             Picture::Curves(_) => None,
             Picture::Map(map) => Some(map.words()),
@@ -283,7 +283,7 @@ impl<T> Either<T> {
 }
 
 impl Axes {
-    fn of(picture: &Picture) -> Axes {
+    fn new(picture: &Picture) -> Axes {
         match picture {
             Picture::Curves(figure) => of_curves(figure),
             Picture::Map(map) => {

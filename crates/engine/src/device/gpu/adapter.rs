@@ -376,7 +376,7 @@ struct Told {
 
 impl Heard {
     /// Listens to a device from now on.
-    pub(crate) fn of(device: &wgpu::Device) -> Heard {
+    pub(crate) fn new(device: &wgpu::Device) -> Heard {
         let heard = Heard::default();
         let complaints = heard.clone();
         device.on_uncaptured_error(Arc::new(move |error| complaints.complain(&error)));

@@ -89,7 +89,7 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|error| GpuError::Open(error.to_string()))?;
-        let heard = Heard::of(&device);
+        let heard = Heard::new(&device);
         let normal_table = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("normal_table"),
             size: size_of_val(&NORMAL_TABLE) as u64,
@@ -222,7 +222,7 @@ impl Gpu {
             .iter()
             .map(|job| vec![Moments::empty(histogram); job.launch.sampled().estimates()])
             .collect();
-        let mut rest = Tiler::of(jobs);
+        let mut rest = Tiler::new(jobs);
         let mut before = None;
         // While one tile runs, the next is prepared and the one before is read.
         loop {

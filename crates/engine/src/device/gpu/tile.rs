@@ -150,7 +150,7 @@ struct Place {
 }
 
 impl Place {
-    fn of(part: &Part, from: u64, histogram: bool, trials_of_group: u64) -> Place {
+    fn new(part: &Part, from: u64, histogram: bool, trials_of_group: u64) -> Place {
         let estimates = part.launches[0].sampled().estimates() as u64;
         let groups = part.pieces.iter().map(|piece| piece.groups(trials_of_group)).sum::<u64>();
         let histogram_bytes = if histogram { 4 * estimates * (BINS * part.pieces.len()) as u64 } else { 0 };
@@ -172,7 +172,7 @@ impl Gpu {
         let mut size = 0;
         let mut place = |part: Part<'a>| {
             let of_group = part.trials_of_group(workgroup, groups);
-            let place = Place::of(&part, size, histogram, of_group);
+            let place = Place::new(&part, size, histogram, of_group);
             size = place.end;
             (part, place)
         };
@@ -294,7 +294,7 @@ pub(crate) struct Tiler<'a> {
 }
 
 impl<'a> Tiler<'a> {
-    pub(crate) fn of(jobs: &'a [Job<'a>]) -> Tiler<'a> {
+    pub(crate) fn new(jobs: &'a [Job<'a>]) -> Tiler<'a> {
         Tiler { jobs, job: 0, done: 0 }
     }
 

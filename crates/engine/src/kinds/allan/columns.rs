@@ -259,11 +259,11 @@ pub(crate) fn read(study: &StudyTable) -> Result<Estimate, Fault> {
 
 fn estimator(study: &StudyTable) -> Result<Estimator, Fault> {
     let overlap = study.get(&OVERLAP);
-    let stride = match Overlap::of(overlap) {
+    let stride = match Overlap::from_value(overlap) {
         Overlap::Full => Stride::Sample,
         Overlap::Part64 => Stride::Part(PARTS),
     };
-    match (EstimatorName::of(study.get(&ESTIMATOR)), overlap) {
+    match (EstimatorName::from_value(study.get(&ESTIMATOR)), overlap) {
         (EstimatorName::Overlapping, _) => Ok(Estimator { stride, ..Estimator::OVERLAPPING }),
         (EstimatorName::Hadamard, _) => Ok(Estimator { stride, ..Estimator::HADAMARD }),
         (EstimatorName::NonOverlapping, None) => Ok(Estimator::NON_OVERLAPPING),
@@ -338,7 +338,7 @@ pub(crate) struct Estimates {
 
 impl Estimates {
     /// The estimates computed by `variances` from the sums of the records.
-    pub(crate) fn of(rows: Vec<Rows>, variances: impl Fn(&[u128]) -> Vec<f64>) -> Estimates {
+    pub(crate) fn new(rows: Vec<Rows>, variances: impl Fn(&[u128]) -> Vec<f64>) -> Estimates {
         let width = rows.first().map_or(0, |rows| rows.width);
         let mut values = Vec::with_capacity(rows.iter().map(|rows| rows.values.len()).sum());
         // Rows are dropped once they are read, which saves memory.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema, Text};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Setting, Sweep, Sweepable, Swept, of_name};
+use crate::key::sweep::{SweepTarget, Sweep, Sweepable, SweepValue, of_name};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::Estimate;
 use crate::kinds::allan::lower::MAX_SAMPLES;
@@ -134,10 +134,10 @@ keys! {
 }
 
 /// The settings of these keys, except the noise.
-static SETTINGS: [Setting<Inputs>; 3] = [
-    Setting::new(&SAMPLE, |inputs, sample| inputs.sample_s = sample.value),
-    Setting::new(&LENGTH, |inputs, length| inputs.length_s = length.value),
-    Setting::new(&RATE, |inputs, rate| inputs.rate = rate.value),
+static SETTINGS: [SweepTarget<Inputs>; 3] = [
+    SweepTarget::new(&SAMPLE, |inputs, sample| inputs.sample_s = sample.value),
+    SweepTarget::new(&LENGTH, |inputs, length| inputs.length_s = length.value),
+    SweepTarget::new(&RATE, |inputs, rate| inputs.rate = rate.value),
 ];
 
 /// Allan curves of simulated records.
@@ -192,7 +192,7 @@ impl Subject for Allan {
         vec![
             TableSchema {
                 legend: ["mean of records", BANDS],
-                ..TableSchema::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::DriftRate])
+                ..TableSchema::new(Source::Points, abouts(&columns::columns()), [], &[Dimension::DriftRate])
             },
             coefficients(self.terms.as_ref()),
         ]
@@ -208,10 +208,10 @@ pub(crate) fn coefficients(terms: Option<&Terms>) -> TableSchema {
     TableSchema {
         legend: ["Monte Carlo", BANDS],
         absent: terms.is_none().then_some(not_fitted),
-        ..TableSchema::of(
+        ..TableSchema::new(
             Source::Coefficients,
             abouts(&columns::coefficient_columns()),
-            [Text::of(coefficients)],
+            [Text::new(coefficients)],
             &[],
         )
     }
@@ -270,7 +270,7 @@ impl Inputs {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Inputs that determine the draws.
     pub inputs: Inputs,
     /// Averaging factors, ascending.
@@ -314,7 +314,7 @@ impl Base {
     fn factors(
         &self,
         inputs: &Inputs,
-        swept: &[(&'static str, Swept)],
+        swept: &[(&'static str, SweepValue)],
         places: &SpanMap,
     ) -> Result<Vec<u64>, Fault> {
         let Estimate { taus, estimator, .. } = &self.estimate;

@@ -110,7 +110,7 @@ impl TabulatedRecords for AllanPlan<'_> {
             let lowered = store.map(|_| self.lowered(point)).transpose()?;
             let estimates = match store.zip(lowered.as_ref()) {
                 Some((store, LoweredCurve { records, .. })) => {
-                    Estimates::of(store.rows(address, *width)?, |sums| records.variances(sums))
+                    Estimates::new(store.rows(address, *width)?, |sums| records.variances(sums))
                 }
                 None => Estimates::default(),
             };
@@ -174,7 +174,7 @@ fn off(
     lowered: &LoweredCurve,
     estimator: Estimator,
 ) -> Result<(f64, f64), Unrepresentable> {
-    let physical = PhysicalTheory::of(point, estimator);
+    let physical = PhysicalTheory::new(point, estimator);
     let records = &lowered.records;
     let drifts = !records.recipe().drift.is_empty();
     let mut left = if drifts { physical.samples / PART_CHECKED } else { u64::MAX };
@@ -238,7 +238,7 @@ impl AllanPlan<'_> {
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
     ) -> Result<Vec<Row<'p>>, Unrepresentable> {
-        let physical = PhysicalTheory::of(point, self.subject.estimator);
+        let physical = PhysicalTheory::new(point, self.subject.estimator);
         let row = |(at, &m): (usize, &u64)| {
             let checked = lowered.map(|lowered| {
                 let theory = lowered.records.theory(at);
@@ -250,7 +250,7 @@ impl AllanPlan<'_> {
                 m,
                 terms: self.subject.estimator.terms(point.inputs.samples(), m),
                 records: estimates.count() as u64,
-                scatter: Scatter::of(estimates.at(at)),
+                scatter: Scatter::new(estimates.at(at)),
                 theory: theory.and_then(|theory| theory.value),
                 rounding: theory.map_or(0.0, |theory| theory.rounding),
                 representation: representation.flatten(),
@@ -262,7 +262,7 @@ impl AllanPlan<'_> {
 
 impl Scatter {
     /// The scatter of the estimates of some records; blank where they are too few.
-    fn of(mut values: Vec<f64>) -> Scatter {
+    fn new(mut values: Vec<f64>) -> Scatter {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
@@ -308,7 +308,7 @@ impl AllanPlan<'_> {
         let fits = self.fits(point, terms, estimates, progress);
         Quantity::all(terms.all()).into_iter().map(move |quantity| {
             let truth = truth(quantity, &point.inputs.noise);
-            CoefficientRow { swept: &point.swept, quantity, truth, found: Found::of(&fits, quantity, truth) }
+            CoefficientRow { swept: &point.swept, quantity, truth, found: Found::new(&fits, quantity, truth) }
         })
     }
 
@@ -381,7 +381,7 @@ fn truth(quantity: Quantity, noise: &Noise) -> Option<f64> {
 }
 
 impl Found {
-    pub(crate) fn of(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
+    pub(crate) fn new(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
         let (factor, ..) = quantity.unit(Unit::Angular);
         let mut found = Found { values: vec![], intervals: 0, covered: 0, fitted: 0, records: fits.len() };
         for coefficient in fits.iter().flatten().filter_map(|fit| fit.coefficient(quantity.parts().0)) {
@@ -545,11 +545,11 @@ mod tests {
 
     #[test]
     fn a_band_leaves_out_a_fortieth_on_either_side_and_is_blank_of_few() {
-        let band = |count: u32| Scatter::of((0..count).map(f64::from).collect()).band;
+        let band = |count: u32| Scatter::new((0..count).map(f64::from).collect()).band;
         assert_eq!(band(81), Some((2.0, 78.0)));
         assert_eq!(band(39), None);
-        let one = Scatter::of(vec![3.0]);
+        let one = Scatter::new(vec![3.0]);
         assert_eq!((one.mean, one.error), (Some(3.0), None));
-        assert_eq!(Scatter::of(vec![]).mean, None);
+        assert_eq!(Scatter::new(vec![]).mean, None);
     }
 }

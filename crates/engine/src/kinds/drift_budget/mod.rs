@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::chart::{Source, TableSchema};
 use crate::drift::{self, Drift, END, End, RESIDUAL_MAX, SCHEDULE_SETTINGS, Schedule};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Sweep, Sweepable, Swept};
+use crate::key::sweep::{Sweep, Sweepable, SweepValue};
 use crate::key::{Key, ParseContext};
 use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::sampling::Planned;
@@ -33,7 +33,7 @@ pub(crate) struct DriftBudget {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// The parts of the drift.
     pub drift: Drift,
     /// Interval and duration.
@@ -58,7 +58,7 @@ fn read(reading: &mut ParseContext) -> Result<DriftBudget, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.set(&mut schedule, &SCHEDULE_SETTINGS)?;
-    schedule.end = End::of(reading.get(&END));
+    schedule.end = End::from_value(reading.get(&END));
     Ok(Point { swept: vec![], drift, schedule }.with_points(reading.sweeps, &reading.places)?)
 }
 
@@ -101,7 +101,7 @@ pub(crate) static DRIFT_BUDGET: Kind = Kind {
 
 impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
-        let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
+        let rows: Vec<Row> = self.points.iter().map(Row::new).collect();
         Ok(Some(Box::new(ClosedFormPlan(table(&study.sweeps, &columns(), &rows, |row| &row.point.swept)))))
     }
 
@@ -119,7 +119,7 @@ impl Subject for DriftBudget {
     fn grounds(&self) -> Vec<TableSchema> {
         vec![TableSchema {
             legend: ["", ""],
-            ..TableSchema::of(Source::Points, abouts(&columns()), [], &[Dimension::Rate, Dimension::Time])
+            ..TableSchema::new(Source::Points, abouts(&columns()), [], &[Dimension::Rate, Dimension::Time])
         }]
     }
 }
@@ -145,7 +145,7 @@ pub(crate) struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    pub(crate) fn of(point: &'a Point) -> Row<'a> {
+    pub(crate) fn new(point: &'a Point) -> Row<'a> {
         let (interval_s, t_s) = (point.schedule.interval_s, point.schedule.duration_s);
         let (magnetic, non_magnetic) = (point.drift.magnetic_drift(), point.drift.non_magnetic);
         let residual_max = point.drift.residual_max;

@@ -18,7 +18,7 @@ use crate::motion::keys::{
     DESIGN, Design, FREQUENCY_HIGH, FREQUENCY_LOW, INTERPOLATION, Interpolation, Phase,
 };
 use crate::motion::{Frequency, Gaussian, Motion, Profile, Tone, Value};
-use crate::sampling::{self, Found};
+use crate::sampling::{self, RowEstimates};
 use crate::study::Study;
 use crate::tally::LEVEL;
 use sagnac_base::quantity::number::significant;
@@ -41,7 +41,7 @@ pub(crate) struct Row<'a> {
     pub(crate) proven: &'a Proven<'a>,
     pub(crate) filler: &'a Filler,
     pub(crate) estimate: &'a Proof,
-    pub(crate) found: &'a Found,
+    pub(crate) found: &'a RowEstimates,
 }
 
 impl Row<'_> {
@@ -216,11 +216,11 @@ pub(crate) fn interpolation_note<'a>(points: &[Point], fillers: &'a [Filler]) ->
         let motion = Motion { profile: Some(profile), ..inputs.motion.clone() };
         (angles, Inputs { motion, ..inputs.clone() })
     });
-    let statistics = both.each_ref().map(|(_, inputs)| Statistics::of(inputs));
+    let statistics = both.each_ref().map(|(_, inputs)| Statistics::new(inputs));
     let of_filler = |(filler, fill): (&'a Filler, &Fill)| {
         let ticks = &fill.fit_ticks;
         let rms = |which: usize| {
-            let rows = Rows::of(filler, Error::Residual, ticks, &statistics[which]).ok()??;
+            let rows = Rows::new(filler, Error::Residual, ticks, &statistics[which]).ok()??;
             let weights = rows.values().pop()?;
             Some(residual_rms(
                 &both[which].0[before..],
@@ -304,7 +304,7 @@ impl Judged {
             return None;
         }
         let ticks = &fill.fit_ticks;
-        let rows = Rows::of(filler, Error::Residual, ticks, &Statistics::of(inputs)).ok()??;
+        let rows = Rows::new(filler, Error::Residual, ticks, &Statistics::new(inputs)).ok()??;
         Judged::of_weights(inputs, ticks, &rows.values().pop()?)
     }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::filler::read::{Extrapolation, GAP_TICKS, Written};
 use crate::filler::{Fill, Method, Specification, Target, TickList};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Setting, Sweep, Swept};
+use crate::key::sweep::{SweepTarget, Sweep, SweepValue};
 use crate::key::{ParseContext, ValueType, keys, measure};
 use crate::kinds::TICK;
 use crate::kinds::gap_fill::sweepable;
@@ -123,16 +123,16 @@ keys! {
 }
 
 /// The settings that can be swept, except the motion.
-pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
-    Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value),
-    Setting::new(&NOISE_STD, |inputs, sigma| inputs.tick_noise = TickNoise::Std(sigma.value)),
-    Setting::new(&NOISE_THREE_SIGMA, |inputs, three_sigma| {
+pub(crate) static SETTINGS: [SweepTarget<Inputs>; 6] = [
+    SweepTarget::new(&TICK, |inputs, tick| inputs.tick_s = tick.value),
+    SweepTarget::new(&NOISE_STD, |inputs, sigma| inputs.tick_noise = TickNoise::Std(sigma.value)),
+    SweepTarget::new(&NOISE_THREE_SIGMA, |inputs, three_sigma| {
         inputs.tick_noise = TickNoise::from_three_sigma(three_sigma.value);
     }),
-    Setting::new(&NOISE_RANDOM_WALK, |inputs, n| inputs.tick_noise = TickNoise::AngleRandomWalk(n.value)),
-    Setting::new(&READOUT_LSB, |inputs, lsb| inputs.readout_lsb = lsb.value),
+    SweepTarget::new(&NOISE_RANDOM_WALK, |inputs, n| inputs.tick_noise = TickNoise::AngleRandomWalk(n.value)),
+    SweepTarget::new(&READOUT_LSB, |inputs, lsb| inputs.readout_lsb = lsb.value),
     // Within its limits a count converts exactly.
-    Setting::new(&GAP_TICKS, |inputs, n| inputs.gap_ticks = n.value as u32),
+    SweepTarget::new(&GAP_TICKS, |inputs, n| inputs.gap_ticks = n.value as u32),
 ];
 
 /// The noise of `[noise]`, where the study has it instead of `gyro.tick_noise`.
@@ -217,7 +217,7 @@ const MAX_SIGMA: f64 = 1e6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Inputs that determine the draws.
     pub inputs: Inputs,
     /// The ticks of each filler, in the order of the fillers. Points with equal gaps share them.
@@ -309,7 +309,7 @@ impl Base<'_> {
     /// A point; `known` are the ticks of the fillers for each length of the gap so far.
     fn point(
         &self,
-        swept: Vec<(&'static str, Swept)>,
+        swept: Vec<(&'static str, SweepValue)>,
         mut inputs: Inputs,
         known: &mut HashMap<u32, Arc<[Fill]>>,
     ) -> Result<Point, Fault> {

@@ -184,7 +184,7 @@ fn read_relock(list: Option<SpannedValue>) -> Result<Vec<f64>, Fault> {
 fn read_errors(list: Option<SpannedValue>) -> Result<Vec<Error>, Fault> {
     let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
     let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
-    let errors = list.distinct(|item| Ok((item.to_string(), Error::of(Some(item)))), help)?;
+    let errors = list.distinct(|item| Ok((item.to_string(), Error::from_value(Some(item)))), help)?;
     if errors.is_empty() {
         return Err(list.fault("switching.errors is empty", "no errors", help));
     }
@@ -233,13 +233,13 @@ impl Subject for GapFill {
     }
 
     fn grounds(&self) -> Vec<TableSchema> {
-        let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
-        let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name());
+        let fillers = Text::new(self.fillers.iter().map(|filler| &filler.name));
+        let errors = Text::new(Error::ALL.map(Error::name)).usual(Error::Residual.name());
         let columns = abouts(&columns::columns(self.is_specified()));
         vec![TableSchema {
             laws: columns::LAWS,
             is_specified: self.is_specified(),
-            ..TableSchema::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
+            ..TableSchema::new(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
         }]
     }
 }

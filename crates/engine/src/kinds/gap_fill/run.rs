@@ -11,7 +11,7 @@ use crate::kinds::gap_fill::lower::physical_theory::PhysicalTheory;
 use crate::kinds::gap_fill::lower::{Estimate, Lowered, Theory};
 use crate::kinds::plan::{Appended, Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::sampling::batches::Work;
-use crate::sampling::{self, Found, RunError, Tables};
+use crate::sampling::{self, RowEstimates, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Held, Store};
 use crate::study::Study;
@@ -68,7 +68,7 @@ impl Plan<'_> {
             if theory.size >= theory.resolution {
                 continue;
             }
-            let found = Found::of(&store.total(&point.address(proof))?, *bin_base, *unit_arcsec);
+            let found = RowEstimates::new(&store.total(&point.address(proof))?, *bin_base, *unit_arcsec);
             if found.estimates.is_some_and(|found| theory.is_below_resolution(found.rms)) {
                 count += 1;
                 largest = largest.max(theory.resolution);
@@ -106,7 +106,7 @@ impl Plan<'_> {
 impl Plan<'_> {
     /// The rows of some points, with what is held of their tallies.
     fn part(&self, points: &[Proven], held: Option<&Held>) -> Result<Table, StoreError> {
-        let blank = Found::default();
+        let blank = RowEstimates::default();
         let mut rows = Vec::new();
         for proven in points {
             let row = |estimate| Row { proven, filler: self.filler(estimate), estimate, found: &blank };
@@ -114,7 +114,7 @@ impl Plan<'_> {
         }
         let found = |at: usize, tally: &Moments| {
             let Proof { bin_base, unit_arcsec, theory, .. } = *rows[at].estimate;
-            let mut found = Found::of(tally, bin_base, unit_arcsec);
+            let mut found = RowEstimates::new(tally, bin_base, unit_arcsec);
             found.estimates = found.estimates.filter(|found| !theory.is_below_resolution(found.rms));
             let known = theory.noise_of_square.zip(found.estimates.as_mut());
             if let Some((noise, estimates)) = known.filter(|(_, estimates)| estimates.rms > 0.0) {
@@ -216,7 +216,7 @@ pub(crate) struct Specified {
 }
 
 impl Specified {
-    fn of(inputs: &Inputs, estimate: &Estimate) -> Option<Specified> {
+    fn new(inputs: &Inputs, estimate: &Estimate) -> Option<Specified> {
         if inputs.specification.is_none() || estimate.error != Error::Residual {
             return None;
         }
@@ -235,7 +235,7 @@ const STEPS: u64 = 1;
 impl Proof {
     /// # Errors
     /// The closed form of the words differs from that of the inputs by more than the rounding of words explains.
-    fn of(
+    fn new(
         name: &str,
         filler: usize,
         estimate: &Estimate,
@@ -266,7 +266,7 @@ impl Proof {
             unit_arcsec,
             theory,
             representation,
-            specified: Specified::of(inputs, estimate),
+            specified: Specified::new(inputs, estimate),
             estimate: address.estimate,
             digest: address.digest,
         })
@@ -289,7 +289,7 @@ impl<'a> Proven<'a> {
         let fillers = lowered.fillers.iter().zip(&subject.fillers).enumerate();
         let proofs = fillers.flat_map(|(place, (all, filler))| {
             let physical = &physical;
-            all.iter().map(move |estimate| Proof::of(&filler.name, place, estimate, &point.inputs, physical))
+            all.iter().map(move |estimate| Proof::new(&filler.name, place, estimate, &point.inputs, physical))
         });
         Ok(Proven { study, subject, point, id, replay, estimates: proofs.collect::<Result<_, _>>()? })
     }
@@ -421,7 +421,7 @@ impl Plan<'_> {
 
 /// Whether a tally gives the error of an estimate with the requested precision.
 fn known(precision: &Precision, estimate: &Proof, tally: &Moments) -> bool {
-    let Some(found) = Estimates::of(tally, estimate.bin_base, 1.0) else { return false };
+    let Some(found) = Estimates::new(tally, estimate.bin_base, 1.0) else { return false };
     let within = |part: Option<f64>, half: Option<f64>, value: Option<f64>| {
         part.is_none_or(|part| half.zip(value).is_some_and(|(half, value)| half <= part * value))
     };

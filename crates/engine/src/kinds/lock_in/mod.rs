@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{self, Setting, Sweep, Sweepable, Swept};
+use crate::key::sweep::{self, SweepTarget, Sweep, Sweepable, SweepValue};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::allan::columns::coefficient_columns;
 use crate::kinds::allan::lower::MAX_SAMPLES;
@@ -48,7 +48,7 @@ pub struct LockInStudy {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Inputs that determine the draws.
     pub inputs: Inputs,
     /// Samples of the record and averaging times.
@@ -69,7 +69,7 @@ fn sweepable() -> Sweepable<Inputs> {
 pub(crate) fn read(reading: &mut ParseContext) -> Result<LockInStudy, Wrong> {
     let dither = reading
         .get(&DITHER)
-        .map(|_| Dither { readout: Readout::of(reading.get(&READOUT)), ..Dither::default() });
+        .map(|_| Dither { readout: Readout::from_value(reading.get(&READOUT)), ..Dither::default() });
     let mut inputs = Inputs {
         scale_factor: 0.0,
         threshold: 0.0,
@@ -287,30 +287,30 @@ keys! {
 }
 
 /// The settings of these keys. Those of the dither apply where there is one.
-pub(crate) static SETTINGS: [Setting<Inputs>; 13] = [
-    Setting::new(&SCALE_FACTOR, |inputs, scale| inputs.scale_factor = scale.value),
-    Setting::new(&THRESHOLD, |inputs, threshold| inputs.threshold = threshold.value),
-    Setting::new(&BEAM_NOISE, |inputs, noise| inputs.beam_noise = noise.value),
-    Setting::new(&REFINEMENT, |inputs, factor| inputs.refinement = factor.value),
-    Setting::of(&FREQUENCY, is_dithered, |inputs, frequency| {
+pub(crate) static SETTINGS: [SweepTarget<Inputs>; 13] = [
+    SweepTarget::new(&SCALE_FACTOR, |inputs, scale| inputs.scale_factor = scale.value),
+    SweepTarget::new(&THRESHOLD, |inputs, threshold| inputs.threshold = threshold.value),
+    SweepTarget::new(&BEAM_NOISE, |inputs, noise| inputs.beam_noise = noise.value),
+    SweepTarget::new(&REFINEMENT, |inputs, factor| inputs.refinement = factor.value),
+    SweepTarget::where_it_applies(&FREQUENCY, is_dithered, |inputs, frequency| {
         with_dither(inputs, |dither| dither.frequency_hz = frequency.value);
     }),
-    Setting::of(&DITHER_RATE, is_dithered, |inputs, rate| {
+    SweepTarget::where_it_applies(&DITHER_RATE, is_dithered, |inputs, rate| {
         with_dither(inputs, |dither| dither.rate = rate.value)
     }),
-    Setting::of(&AMPLITUDE_NOISE, is_dithered, |inputs, noise| {
+    SweepTarget::where_it_applies(&AMPLITUDE_NOISE, is_dithered, |inputs, noise| {
         with_dither(inputs, |dither| dither.amplitude_noise = noise.value);
     }),
-    Setting::of(&AMPLITUDE_WALK, is_dithered, |inputs, step| {
+    SweepTarget::where_it_applies(&AMPLITUDE_WALK, is_dithered, |inputs, step| {
         with_dither(inputs, |dither| dither.amplitude_walk = step.value);
     }),
-    Setting::of(&PHASE_NOISE, is_dithered, |inputs, noise| {
+    SweepTarget::where_it_applies(&PHASE_NOISE, is_dithered, |inputs, noise| {
         with_dither(inputs, |dither| dither.phase_noise = noise.value);
     }),
-    Setting::new(&RATE, |inputs, rate| inputs.rate = rate.value),
-    Setting::new(&RAMP, |inputs, ramp| inputs.ramp = ramp.value),
-    Setting::new(&SAMPLE, |inputs, sample| inputs.sample_s = Some(sample.value)),
-    Setting::new(&LENGTH, |inputs, length| inputs.length_s = length.value),
+    SweepTarget::new(&RATE, |inputs, rate| inputs.rate = rate.value),
+    SweepTarget::new(&RAMP, |inputs, ramp| inputs.ramp = ramp.value),
+    SweepTarget::new(&SAMPLE, |inputs, sample| inputs.sample_s = Some(sample.value)),
+    SweepTarget::new(&LENGTH, |inputs, length| inputs.length_s = length.value),
 ];
 
 fn is_dithered(inputs: &Inputs) -> bool {
@@ -502,7 +502,7 @@ impl Subject for LockInStudy {
     fn grounds(&self) -> Vec<TableSchema> {
         let limits = &[Dimension::ShortAngleRandomWalk, Dimension::Rate];
         vec![
-            TableSchema::of(Source::Points, abouts(&columns()), [], limits),
+            TableSchema::new(Source::Points, abouts(&columns()), [], limits),
             coefficients(self.terms.as_ref()),
         ]
     }

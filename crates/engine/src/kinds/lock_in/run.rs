@@ -289,7 +289,7 @@ impl LockInPlan<'_> {
         let row = |quantity: Quantity| {
             let of_walk = quantity.parts().0 == Term::AngleRandomWalk;
             let truth = walk.filter(|_| of_walk).map(|walk| quantity.unit(RecordUnit::Angular).0 * walk);
-            CoefficientRow { swept: &point.swept, quantity, truth, found: Found::of(&fits, quantity, truth) }
+            CoefficientRow { swept: &point.swept, quantity, truth, found: Found::new(&fits, quantity, truth) }
         };
         Quantity::all(terms.all()).into_iter().map(row).collect()
     }

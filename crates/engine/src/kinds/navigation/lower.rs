@@ -103,7 +103,7 @@ impl Lowered {
 /// The noise of a set of coefficients: the values drawn for it, before those that a sweep gives.
 fn drawn(point: &Point, study: &Navigation, seed: u64, set: u64) -> Noise {
     let mut noise = point.inputs.noise.clone();
-    let keys = schedule(Id::of(&format!("coefficients\nkind=navigation\nseed={seed}\n")).key().map(Scalar));
+    let keys = schedule(Id::from_text(&format!("coefficients\nkind=navigation\nseed={seed}\n")).key().map(Scalar));
     for (input, uncertain) in study.uncertain.iter().enumerate() {
         let [word, ..] = philox([set as u32, 0, input as u32, 0].map(Scalar), keys);
         // The middle of one of 2^32 equal parts.
@@ -195,7 +195,7 @@ impl At<'_> {
             address: Address { point: id, estimate, digest },
             units,
             noise: sampled_noise(records.fixed()),
-            deviation: Deviation::of(records.fixed()),
+            deviation: Deviation::new(records.fixed()),
             weights,
         })
     }
@@ -414,7 +414,7 @@ pub(crate) struct Deviation {
 
 impl Deviation {
     /// The bounds for some words.
-    pub(crate) fn of(fixed: &Fixed) -> Deviation {
+    pub(crate) fn new(fixed: &Fixed) -> Deviation {
         let off = fixed.deviation();
         // Every angle is rounded down to whole LSB.
         let rounded = if fixed.has_angle() { 1.0 / 12.0 } else { 0.0 };

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use crate::chart::{Source, TableSchema};
 use crate::key::document::SpanMap;
 use crate::key::sensitivity::{self, Uncertain};
-use crate::key::sweep::{Setting, Sweep};
+use crate::key::sweep::{SweepTarget, Sweep};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, words};
 use crate::kinds::navigation::columns::{LAWS, OF_FILTERS};
 use crate::kinds::navigation::point::Base;
@@ -66,7 +66,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 /// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut ParseContext) -> Result<Navigation, Wrong> {
     reading.note(&[&NAVIGATION_TABLE, &FILTER]);
-    let solution = Solution::of(reading.get(&SOLUTION));
+    let solution = Solution::from_value(reading.get(&SOLUTION));
     let calibrates = reading.get(&CALIBRATION).is_some_and(|given| given.flag());
     check_keys(reading, solution, calibrates)?;
     let mut inputs = Inputs {
@@ -300,7 +300,7 @@ impl Subject for Navigation {
             Solution::Heading if self.has_filter() => &OF_FILTERS[..],
             Solution::Heading | Solution::Gyrocompass => &[],
         };
-        vec![TableSchema { laws, ..TableSchema::of(Source::Points, columns, [], limits) }]
+        vec![TableSchema { laws, ..TableSchema::new(Source::Points, columns, [], limits) }]
     }
 }
 
@@ -421,11 +421,11 @@ keys! {
 }
 
 /// The settings of these keys.
-pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
-    Setting::new(&DURATION, |inputs, time| inputs.duration_s = time.value),
-    Setting::new(&ALIGNMENT, |inputs, time| inputs.alignment_s = time.value),
-    Setting::new(&LATITUDE, |inputs, latitude| inputs.latitude_arcsec = latitude.value),
-    Setting::new(&SPEED, |inputs, speed| inputs.speed_m_per_s = speed.shown()),
-    Setting::new(&COURSE, |inputs, course| inputs.course_arcsec = course.value),
-    Setting::new(&SAMPLE, |inputs, sample| inputs.sample_s = Some(sample.value)),
+pub(crate) static SETTINGS: [SweepTarget<Inputs>; 6] = [
+    SweepTarget::new(&DURATION, |inputs, time| inputs.duration_s = time.value),
+    SweepTarget::new(&ALIGNMENT, |inputs, time| inputs.alignment_s = time.value),
+    SweepTarget::new(&LATITUDE, |inputs, latitude| inputs.latitude_arcsec = latitude.value),
+    SweepTarget::new(&SPEED, |inputs, speed| inputs.speed_m_per_s = speed.shown()),
+    SweepTarget::new(&COURSE, |inputs, course| inputs.course_arcsec = course.value),
+    SweepTarget::new(&SAMPLE, |inputs, sample| inputs.sample_s = Some(sample.value)),
 ];

@@ -9,7 +9,7 @@ use serde_json::value::RawValue;
 
 use crate::key::ParseContext;
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Sweep, Sweepable, Swept, of_name};
+use crate::key::sweep::{Sweep, Sweepable, SweepValue, of_name};
 use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::{FILTER, Lack, SETTINGS, Solution};
 use crate::noise::{self, FILE, Noise, NoiseFiles};
@@ -133,7 +133,7 @@ impl Inputs {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Inputs of the point.
     pub inputs: Inputs,
     /// The part of the noise that it lacks, in an error budget.

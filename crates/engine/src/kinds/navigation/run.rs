@@ -83,7 +83,7 @@ impl<'a> NavigationPlan<'a> {
             closed.with(errors.chunks_exact(lowered.errors.len()).map(size).collect())
         };
         let sizes: Vec<Sizes> = quantities.par_iter().zip(sizes).map(with_estimates).collect();
-        let claim = |sigma| Claim::of(sigma, &sizes[0], &claimed, &errors);
+        let claim = |sigma| Claim::new(sigma, &sizes[0], &claimed, &errors);
         let claim = of_point.inputs.claimed().map(claim);
         let trials = (errors.len() / lowered.errors.len()) as u64;
         Ok(Row { point: of_point, trials, sizes, claim, representation })
@@ -193,7 +193,7 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// The consistency of a filter with errors of these `sizes`, of which all are the `errors`.
-    pub(crate) fn of(sigma: f64, sizes: &Sizes, distributions: &[Radial], errors: &[f64]) -> Claim {
+    pub(crate) fn new(sigma: f64, sizes: &Sizes, distributions: &[Radial], errors: &[f64]) -> Claim {
         let square = |size: f64| size * size / (sigma * sigma);
         let (trials, region) = (errors.len() as u64, NORMAL_95 * sigma);
         let inside = errors.iter().filter(|error| error.abs() <= region).count() as u64;

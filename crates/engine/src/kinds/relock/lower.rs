@@ -117,7 +117,7 @@ impl LoweredRelock {
         };
         let weights = weights.map(|weight| weight as u32 * (1 << WEIGHT_BITS));
         // The digest is filled in when the histogram is known.
-        let address = Address { point: self.id, estimate: Id::of(&estimate), digest: self.id };
+        let address = Address { point: self.id, estimate: Id::from_text(&estimate), digest: self.id };
         Ok(RelockEstimate {
             compensation,
             tick,

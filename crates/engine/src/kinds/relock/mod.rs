@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use crate::chart::{Law, Source, TableSchema, Text};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Setting, Sweep, Sweepable, Swept};
+use crate::key::sweep::{SweepTarget, Sweep, Sweepable, SweepValue};
 use crate::key::{Key, ParseContext, ValueType, keys, measure, unlimited, words};
 use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated, table};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::kinds::{self, TICK};
 use crate::sampling::batches::{Work, estimates};
-use crate::sampling::{self, Found, Planned, RunError, Tables};
+use crate::sampling::{self, RowEstimates, Planned, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Store};
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
@@ -54,7 +54,7 @@ pub struct RelockInputs {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelockPoint {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Inputs that determine the draws.
     pub inputs: RelockInputs,
 }
@@ -66,8 +66,8 @@ keys! {
     GYRO = "gyro", "", Fixed, ValueType::Table, "[gyro]\ntick = \"5 ms\"";
 }
 
-static SETTINGS: [Setting<RelockInputs>; 1] =
-    [Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value)];
+static SETTINGS: [SweepTarget<RelockInputs>; 1] =
+    [SweepTarget::new(&TICK, |inputs, tick| inputs.tick_s = tick.value)];
 
 /// Every key of this kind.
 fn keys() -> Vec<&'static Key> {
@@ -264,19 +264,19 @@ keys! {
 }
 
 /// The settings of these keys.
-pub(crate) static LOOP_SETTINGS: [Setting<Relock>; 12] = [
-    Setting::new(&MISS, |relock, miss| relock.miss = miss.value),
-    Setting::new(&HALF_WAVE, |relock, error| relock.half_wave_error = error.value),
-    Setting::new(&DAC_STEP, |relock, step| relock.dac_step = step.value),
-    Setting::new(&HYSTERESIS, |relock, hysteresis| relock.hysteresis = hysteresis.value),
-    Setting::new(&LOOP_TIME, |relock, time| relock.loop_s = time.value),
-    Setting::new(&BIAS, |relock, frequency| relock.bias_frequency_hz = frequency.value),
-    Setting::new(&PULSE, |relock, weight| relock.pulse_weight_arcsec = weight.value),
-    Setting::new(&CURVATURE, |relock, curvature| relock.curvature = curvature.value),
-    Setting::new(&TEMPERATURE, |relock, error| relock.temperature_error = error.value),
-    Setting::new(&ADC_NOISE, |relock, noise| relock.adc_noise = noise.value),
-    Setting::new(&ADC_STEP, |relock, step| relock.adc_step = step.value),
-    Setting::new(&COUNT_STEP, |relock, step| relock.count_step = step.value),
+pub(crate) static LOOP_SETTINGS: [SweepTarget<Relock>; 12] = [
+    SweepTarget::new(&MISS, |relock, miss| relock.miss = miss.value),
+    SweepTarget::new(&HALF_WAVE, |relock, error| relock.half_wave_error = error.value),
+    SweepTarget::new(&DAC_STEP, |relock, step| relock.dac_step = step.value),
+    SweepTarget::new(&HYSTERESIS, |relock, hysteresis| relock.hysteresis = hysteresis.value),
+    SweepTarget::new(&LOOP_TIME, |relock, time| relock.loop_s = time.value),
+    SweepTarget::new(&BIAS, |relock, frequency| relock.bias_frequency_hz = frequency.value),
+    SweepTarget::new(&PULSE, |relock, weight| relock.pulse_weight_arcsec = weight.value),
+    SweepTarget::new(&CURVATURE, |relock, curvature| relock.curvature = curvature.value),
+    SweepTarget::new(&TEMPERATURE, |relock, error| relock.temperature_error = error.value),
+    SweepTarget::new(&ADC_NOISE, |relock, noise| relock.adc_noise = noise.value),
+    SweepTarget::new(&ADC_STEP, |relock, step| relock.adc_step = step.value),
+    SweepTarget::new(&COUNT_STEP, |relock, step| relock.count_step = step.value),
 ];
 
 /// Default number of ticks, as in the paper.
@@ -284,7 +284,7 @@ const PAPER_TICKS: u32 = 4;
 
 /// Reads the relock.
 pub(crate) fn read_loop(reading: &mut ParseContext) -> Result<Relock, Fault> {
-    let first_half = FirstHalf::of(reading.get(&FIRST_HALF));
+    let first_half = FirstHalf::from_value(reading.get(&FIRST_HALF));
     let mut relock = Relock { count_step: 1.0, ticks: PAPER_TICKS, first_half, ..Relock::default() };
     reading.set(&mut relock, &LOOP_SETTINGS)?;
     reading.note(&[&TICKS]);
@@ -368,13 +368,13 @@ impl Subject for RelockStudy {
     }
 
     fn grounds(&self) -> Vec<TableSchema> {
-        let compensations = Text::of(Compensation::ALL.map(Compensation::name));
+        let compensations = Text::new(Compensation::ALL.map(Compensation::name));
         let ticks = (1..=self.inputs.relock.ticks).map(|tick| tick.to_string()).chain([ALL_TICKS.to_owned()]);
-        let ticks = Text { whole: Some(ALL_TICKS), ..Text::of(ticks) };
+        let ticks = Text { whole: Some(ALL_TICKS), ..Text::new(ticks) };
         let columns = abouts(&columns());
         vec![TableSchema {
             laws: &[Law::ZeemanTables],
-            ..TableSchema::of(Source::Points, columns, [compensations, ticks], &[Dimension::Angle])
+            ..TableSchema::new(Source::Points, columns, [compensations, ticks], &[Dimension::Angle])
         }]
     }
 }
@@ -385,7 +385,7 @@ pub(crate) struct Row<'a> {
     pub(crate) estimate: &'a RelockEstimate,
     /// Size of a unit of the tally, ″.
     pub(crate) unit_arcsec: f64,
-    pub(crate) found: Found,
+    pub(crate) found: RowEstimates,
 }
 
 impl Row<'_> {
@@ -552,7 +552,7 @@ impl Tabulated for PointsPlan<'_, RelockStudy, LoweredRelock> {
         let mut rows = Vec::new();
         for (point, lowered) in self.subject.points.iter().zip(&self.points) {
             let unit_arcsec = lowered.fixed.lsb_arcsec;
-            let row = |estimate| Row { point, estimate, unit_arcsec, found: Found::default() };
+            let row = |estimate| Row { point, estimate, unit_arcsec, found: RowEstimates::default() };
             rows.extend(lowered.estimates.iter().map(row));
         }
         let found = estimates(store, &rows, |Row { estimate, unit_arcsec, .. }| {

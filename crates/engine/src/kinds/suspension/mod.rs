@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::chart::{Source, TableSchema};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Setting, Sweep, Sweepable, Swept};
+use crate::key::sweep::{SweepTarget, Sweep, Sweepable, SweepValue};
 use crate::key::{Key, ParseContext, ValueType, keys, measure};
 use crate::kinds::plan::{ClosedFormPlan, table};
 use crate::motion::keys::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
@@ -30,7 +30,7 @@ pub(crate) struct SuspensionStudy {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// Suspension.
     pub suspension: Arc<Suspension>,
     /// Frequency of the vibration, Hz.
@@ -78,8 +78,8 @@ const OF_SUSPENSION: SuspensionKeys = SuspensionKeys {
     mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
 };
 
-static SETTINGS: [Setting<Point>; 1] =
-    [Setting::new(&FREQUENCY, |point, frequency| point.frequency_hz = frequency.value)];
+static SETTINGS: [SweepTarget<Point>; 1] =
+    [SweepTarget::new(&FREQUENCY, |point, frequency| point.frequency_hz = frequency.value)];
 
 /// Every key of this kind.
 fn keys() -> Vec<&'static Key> {
@@ -136,7 +136,7 @@ impl Subject for SuspensionStudy {
     fn grounds(&self) -> Vec<TableSchema> {
         vec![TableSchema {
             legend: ["", ""],
-            ..TableSchema::of(Source::Points, abouts(&columns()), [], &[Dimension::RatePerAcceleration])
+            ..TableSchema::new(Source::Points, abouts(&columns()), [], &[Dimension::RatePerAcceleration])
         }]
     }
 }

@@ -134,7 +134,7 @@ fn keys() -> Vec<&'static Key> {
 fn read(reading: &mut ParseContext) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut schedule, &drift::SCHEDULE_SETTINGS)?;
-    schedule.end = End::of(reading.get(&END));
+    schedule.end = End::from_value(reading.get(&END));
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;
@@ -147,11 +147,11 @@ fn read(reading: &mut ParseContext) -> Result<SwitchedRun, Wrong> {
         None => 0,
     };
     let (points, rounded) = base.points(fill.as_ref(), &times, reading.sweeps, &reading.places)?;
-    let timing = Timing::of(reading.get(&TIMING));
+    let timing = Timing::from_value(reading.get(&TIMING));
     // The points need the switch, whose notes are there already; what is rounded comes before them.
     reading.notes.splice(0..0, rounded);
     reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
-    let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
+    let first_mode = FirstMode::from_value(reading.get(&FIRST_MODE));
     Ok(SwitchedRun { first_mode, timing, fill, times, trajectories, points, base })
 }
 
@@ -326,21 +326,21 @@ impl Subject for SwitchedRun {
     fn grounds(&self) -> Vec<TableSchema> {
         let fillers = self.fillers();
         let has_fillers = !fillers.is_empty();
-        let fillers = || has_fillers.then(|| Text::of(fillers.iter().map(|filler| &filler.name))).into_iter();
-        let angles = Text::of(self.angles().iter().map(Angle::name)).usual(Angle::End.name());
-        let runs = Text::of((1..=self.trajectories).map(|number| number.to_string()));
+        let fillers = || has_fillers.then(|| Text::new(fillers.iter().map(|filler| &filler.name))).into_iter();
+        let angles = Text::new(self.angles().iter().map(Angle::name)).usual(Angle::End.name());
+        let runs = Text::new((1..=self.trajectories).map(|number| number.to_string()));
         let none_kept =
             ("the chart is of trajectories, and none are kept", "add them as in\n[run]\ntrajectories = 20");
         let limits = &[Dimension::DriftRate, Dimension::Angle];
         let (points, trajectories) =
             (abouts(&run::columns(has_fillers)), abouts(&run::trajectory_columns(has_fillers)));
-        let points = TableSchema::of(Source::Points, points, fillers().chain([angles]), limits);
+        let points = TableSchema::new(Source::Points, points, fillers().chain([angles]), limits);
         let trajectories = TableSchema {
             // Trajectories start at 0, and their angles have both signs.
             is_linear: true,
             absent: (self.trajectories == 0).then_some(none_kept),
             legend: ["single runs", points.legend[1]],
-            ..TableSchema::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
+            ..TableSchema::new(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
         };
         vec![points, trajectories]
     }

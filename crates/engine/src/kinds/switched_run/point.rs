@@ -2,7 +2,7 @@
 
 use crate::drift::{self, Drift, End, Schedule};
 use crate::key::document::SpanMap;
-use crate::key::sweep::{Sweep, Sweepable, Swept};
+use crate::key::sweep::{Sweep, Sweepable, SweepValue};
 use crate::key::{Key, ParseContext, ValueType, keys};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::{self, Compensation, RELOCK_TABLE, Relock};
@@ -29,7 +29,7 @@ const SETTLED: f64 = 5.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Swept)>,
+    pub swept: Vec<(&'static str, SweepValue)>,
     /// The parts of the drift, with their spreads.
     pub drift: Drift,
     /// Schedule in whole ticks.
@@ -168,7 +168,7 @@ struct Check<'a> {
 impl Check<'_> {
     fn point(
         &self,
-        swept: Vec<(&'static str, Swept)>,
+        swept: Vec<(&'static str, SweepValue)>,
         base: Base,
         fill: Option<gap_fill::inputs::Point>,
         rounded: &mut Vec<String>,
@@ -335,5 +335,5 @@ pub(crate) fn read(reading: &mut ParseContext, fill: Option<&GapFill>) -> Result
     }
     let relock = relock::read_loop(reading)?;
     reading.note(&[&RELOCK_TABLE]);
-    Ok(Some(Relocking { relock, compensation: Compensation::of(reading.get(&COMPENSATION)) }))
+    Ok(Some(Relocking { relock, compensation: Compensation::from_value(reading.get(&COMPENSATION)) }))
 }

@@ -12,7 +12,7 @@ use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate};
 use crate::kinds::switched_run::point::{Point, Point as RunPoint};
 use crate::kinds::switched_run::{Angle, SwitchedRun};
 use crate::sampling::batches::{Work, estimates};
-use crate::sampling::{self, Found, RunError, Tables};
+use crate::sampling::{self, RowEstimates, RunError, Tables};
 use crate::store::error::StoreError;
 use crate::store::{Address, Row as StoredRow, Store};
 use crate::tally::{Block, Id, Share, missing, z_score};
@@ -29,7 +29,7 @@ pub(crate) struct Row<'a> {
     pub(crate) filler: Option<&'a str>,
     pub(crate) filled: &'a FilledRun,
     pub(crate) estimate: &'a RunEstimate,
-    pub(crate) found: Found,
+    pub(crate) found: RowEstimates,
 }
 
 impl Row<'_> {
@@ -249,7 +249,7 @@ impl Tabulated for Plan<'_> {
         let trajectories = keeps.then(|| trajectory_table(self, store)).transpose()?;
         let mut rows = Vec::new();
         for (point, filler, filled) in self.filled() {
-            let row = |estimate| Row { point, filler, filled, estimate, found: Found::default() };
+            let row = |estimate| Row { point, filler, filled, estimate, found: RowEstimates::default() };
             rows.extend(filled.estimates.iter().map(row));
         }
         let found = estimates(store, &rows, |Row { estimate, .. }| {

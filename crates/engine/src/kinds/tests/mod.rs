@@ -7,7 +7,7 @@ mod refusals;
 use std::path::Path;
 
 use crate::key::Key;
-use crate::key::sweep::{Scale, Swept};
+use crate::key::sweep::{Scale, SweepValue};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::{Inputs, Point, TickNoise};
 use crate::kinds::schema;
@@ -56,7 +56,7 @@ fn parsed(text: &str) -> Study {
 
 fn swept(sweep: &str) -> Vec<f64> {
     let study = parsed(&with(&format!("[[sweep]]\n{sweep}\n")));
-    study.sweeps[0].values.iter().filter_map(Swept::quantity).map(|value| value.value).collect()
+    study.sweeps[0].values.iter().filter_map(SweepValue::quantity).map(|value| value.value).collect()
 }
 
 /// Checks that the report contains every piece; it is wide enough that no line is broken.
@@ -88,7 +88,7 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
     assert_eq!(second.swept[0].0, "motion.frequency");
     assert_eq!(
         second.swept[1],
-        ("switching.gap_ticks", Swept::Quantity(Quantity::new(2.0, Dimension::Count)))
+        ("switching.gap_ticks", SweepValue::Quantity(Quantity::new(2.0, Dimension::Count)))
     );
     assert_eq!(study.charts[0].limit.map(|limit| (limit.value, limit.unit)), Some((10.0, Unit::ARCSEC)));
     assert_eq!(&SHIPPED[study.charts[0].y.span.clone()], "\"p99_73\"");
@@ -338,9 +338,9 @@ fn all_studies() -> Vec<Study> {
 }
 
 /// The point of a study with a value of a key, and everything else as in its first point, without the names of its values.
-fn point_with(study: &Study, key: &'static Key, value: &Swept) -> Option<String> {
+fn point_with(study: &Study, key: &'static Key, value: &SweepValue) -> Option<String> {
     let others = study.sweeps.iter().filter(|sweep| !std::ptr::eq(sweep.key, key));
-    let (mut keys, mut point): (Vec<&'static Key>, Vec<Swept>) =
+    let (mut keys, mut point): (Vec<&'static Key>, Vec<SweepValue>) =
         others.map(|sweep| (sweep.key, sweep.values[0].clone())).unzip();
     keys.push(key);
     point.push(value.clone());
@@ -355,16 +355,16 @@ fn every_key_that_a_sweep_may_vary_changes_the_points() {
     let (mut with, mut without): (Vec<&str>, Vec<&str>) = (vec![], vec![]);
     for kind in KINDS {
         for key in (kind.sweepable)().into_iter().filter(|key| !key.is_file()) {
-            let values: Vec<Swept> = match key.holds.measured() {
+            let values: Vec<SweepValue> = match key.holds.measured() {
                 None if key.is_name() => {
-                    key.names().into_iter().map(|name| Swept::Name(name.to_owned())).collect()
+                    key.names().into_iter().map(|name| SweepValue::Name(name.to_owned())).collect()
                 }
                 measured => {
                     let dimensions = measured.map_or(&[Dimension::Count][..], |measure| measure.accepts);
                     let sizes = (-12..=15).flat_map(|power| [1.0, 2.0].map(|size| size * 10_f64.powi(power)));
                     let sizes = sizes.filter(|size| key.admits(*size));
                     let of_size =
-                        |size| dimensions.iter().map(move |d| Swept::Quantity(Quantity::new(size, *d)));
+                        |size| dimensions.iter().map(move |d| SweepValue::Quantity(Quantity::new(size, *d)));
                     sizes.flat_map(of_size).collect()
                 }
             };

@@ -48,7 +48,7 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
     opened
         .and_then(|opened| search.group(&opened.root_group()?, "", 0))
         .map_err(|error| bad(&file, &error.to_string()))?;
-    let arrays = Arrays::of(&file, &search.about, &search.left_out, Some(length))?;
+    let arrays = Arrays::new(&file, &search.about, &search.left_out, Some(length))?;
     Ok(Box::new(Hdf5 { file, arrays, datasets: search.datasets }))
 }
 
@@ -76,7 +76,7 @@ impl Columns for Hdf5 {
                 Some(_) => chunked(dataset, matrix, within),
                 None => whole(dataset, matrix, within),
             };
-            let packing = Packing::of(dataset);
+            let packing = Packing::new(dataset);
             let unpacked =
                 |columns: Vec<Vec<f64>>| columns.into_iter().map(|column| packing.unpacked(column)).collect();
             columns.map(unpacked).map_err(|why| bad(file, &format!("`{}`: {why}", dataset.name())))
@@ -92,7 +92,7 @@ struct Packing {
 }
 
 impl Packing {
-    fn of(dataset: &Dataset) -> Packing {
+    fn new(dataset: &Dataset) -> Packing {
         let number = |name: &str| dataset.attribute(name).ok()?.read_as_f64().ok();
         Packing {
             scale: number("scale_factor").unwrap_or(1.0),

@@ -102,7 +102,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
         });
         start += size.map_err(|error| refusal(&file, &error))?;
     }
-    let arrays = Arrays::of(&file, &about, &left_out, Some(length))?;
+    let arrays = Arrays::new(&file, &about, &left_out, Some(length))?;
     Ok(Box::new(Mat { file, bytes, order, arrays, places }))
 }
 

@@ -208,7 +208,7 @@ fn open_npz(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
             Err(error) => left_out.push(error.to_string()),
         }
     }
-    let arrays = Arrays::of(&file, &about, &left_out, stored)?;
+    let arrays = Arrays::new(&file, &about, &left_out, stored)?;
     Ok(Box::new(Npz { file, archive, arrays, parts }))
 }
 

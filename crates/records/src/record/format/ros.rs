@@ -98,7 +98,7 @@ struct Messages {
 
 impl Messages {
     /// Starts an empty collection for a file of `stored` bytes.
-    pub(crate) fn of(stored: Option<u64>) -> Messages {
+    pub(crate) fn new(stored: Option<u64>) -> Messages {
         Messages { stored, ..Messages::default() }
     }
 
@@ -150,7 +150,7 @@ impl Messages {
                 Array { name: Name::read(&name), rows: rows.len(), columns: 1 }
             })
         });
-        let arrays = Arrays::of(file, &about.collect::<Vec<_>>(), &[], None)?;
+        let arrays = Arrays::new(file, &about.collect::<Vec<_>>(), &[], None)?;
         Ok(Box::new(Topics { arrays, rows: topics.into_iter().map(|(_, rows)| rows).collect() }))
     }
 }
@@ -190,7 +190,7 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
-    let mut topics = McapTopics { messages: Messages::of(source.length), ..McapTopics::default() };
+    let mut topics = McapTopics { messages: Messages::new(source.length), ..McapTopics::default() };
     let mut bytes = source.from(0);
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
@@ -315,7 +315,7 @@ const CONNECTION: u8 = 7;
 /// Reads all messages of the file.
 pub(crate) fn open_bag(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
-    let mut bag = Bag { messages: Messages::of(source.length), ..Bag::default() };
+    let mut bag = Bag { messages: Messages::new(source.length), ..Bag::default() };
     bag.read(&mut source.from(MAGIC)).map_err(|error| {
         let help = "if the recording was cut short, `rosbag reindex` saves what is intact; `rosbag compress --lz4` or \
                     `rosbag decompress` change the compression";
@@ -339,7 +339,7 @@ struct Bag {
 struct Fields(HashMap<String, Vec<u8>>);
 
 impl Fields {
-    fn of(mut header: &[u8]) -> io::Result<Fields> {
+    fn new(mut header: &[u8]) -> io::Result<Fields> {
         let mut fields = HashMap::new();
         while !header.is_empty() {
             let field = header
@@ -379,7 +379,7 @@ fn record(reader: &mut dyn Read) -> io::Result<Option<(Fields, Vec<u8>)>> {
     reader.read_exact(&mut length[1..])?;
     let header = part(reader, u32::from_le_bytes(length), MAX_HEADER)?;
     reader.read_exact(&mut length)?;
-    Ok(Some((Fields::of(&header)?, part(reader, u32::from_le_bytes(length), MAX_BAG_RECORD)?)))
+    Ok(Some((Fields::new(&header)?, part(reader, u32::from_le_bytes(length), MAX_BAG_RECORD)?)))
 }
 
 /// The next `length` bytes; memory is taken only for those that are there.
@@ -430,7 +430,7 @@ impl Bag {
     fn take(&mut self, header: &Fields, data: &[u8]) -> io::Result<()> {
         match header.bytes::<1>("op")? {
             [CONNECTION] => {
-                let kind = Fields::of(data)?.text("type");
+                let kind = Fields::new(data)?.text("type");
                 let imu = is_imu(&kind).then(|| header.text("topic"));
                 if imu.is_none() {
                     self.messages.others.push(kind);

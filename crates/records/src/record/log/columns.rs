@@ -35,7 +35,7 @@ fn names_of(file: &ColumnFile, columns: &[usize]) -> String {
 /// Whether a column is called like a temperature.
 pub(crate) fn is_temperature(name: &Name) -> bool {
     name.whole.to_lowercase().contains("temp")
-        || name.unit.as_deref().is_some_and(|unit| unit.contains(['°', '℃']) && Degree::of(unit).is_some())
+        || name.unit.as_deref().is_some_and(|unit| unit.contains(['°', '℃']) && Degree::parse(unit).is_some())
 }
 
 /// The columns of samples that are requested, or those `named` by a layout, or the only one besides those `taken` for time and

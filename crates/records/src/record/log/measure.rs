@@ -189,7 +189,7 @@ impl Doubt {
 
     /// The doubt about the unit of samples whose mean rate or acceleration has the magnitude `mean`, in ″/s or µg. That of
     /// several axes of an accelerometer is the length of the vector of their means.
-    pub(crate) fn of(mean: f64, unit: &Unit, data: Data) -> Option<Doubt> {
+    pub(crate) fn new(mean: f64, unit: &Unit, data: Data) -> Option<Doubt> {
         let is_gravity = |mean: f64| (mean / GRAVITY - 1.0).abs() < NEAR;
         match unit.curves {
             Curves::Angular if is_radian(unit) && mean > AT_REST && mean <= AT_REST * DEGREES => {
@@ -271,7 +271,7 @@ impl Log {
     fn doubt(&self, axes: &[&Channel]) -> Option<String> {
         let means = axes.iter().map(|channel| channel.view(self.data, self.step_s).mean_rate());
         let means: Vec<f64> = means.collect::<Option<_>>()?;
-        let doubt = Doubt::of(means.into_iter().fold(0.0, libm::hypot), &axes[0].unit, self.data)?;
+        let doubt = Doubt::new(means.into_iter().fold(0.0, libm::hypot), &axes[0].unit, self.data)?;
         let has_mean = |axis: &&Channel| axis.view(self.data, self.step_s).has_mean();
         let is_known = !matches!(doubt, Doubt::DegreesAsRadians(_)) || axes.iter().all(has_mean);
         let is_guessed = axes.iter().any(|axis| axis.is_unit_guessed);
@@ -397,7 +397,7 @@ mod tests {
     fn gravity_tells_the_unit_of_an_accelerometer() {
         let doubt = |mean: f64, unit: &str, data| {
             let unit = Unit::parse(unit, data).unwrap();
-            Doubt::of(mean * unit.factor, &unit, data)
+            Doubt::new(mean * unit.factor, &unit, data)
         };
         for (mean, unit, data) in [
             (9.81, "m/s^2", Data::Rate),

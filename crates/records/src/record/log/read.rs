@@ -99,7 +99,7 @@ impl Timing {
     ///
     /// # Errors
     /// Stamps are to be ignored, and there is no step; the message says so.
-    pub fn of(step_s: Option<f64>, column: Option<String>, unit: Option<String>) -> Result<Timing, String> {
+    pub fn new(step_s: Option<f64>, column: Option<String>, unit: Option<String>) -> Result<Timing, String> {
         match (step_s, column.as_deref()) {
             (Some(step_s), Some("none")) => Ok(Timing::Step(step_s)),
             (None, Some("none")) => {

@@ -317,14 +317,14 @@ fn columns_that_do_not_vary_are_not_proposed() {
 #[test]
 fn units_are_read_as_loggers_spell_them() {
     for (text, zero) in [("degC", 0.0), ("° C", 0.0), ("K", -273.15), ("Celsius", 0.0)] {
-        assert_eq!(Degree::of(text).map(|degree| degree.zero), Some(zero), "{text}");
+        assert_eq!(Degree::parse(text).map(|degree| degree.zero), Some(zero), "{text}");
     }
     for (name, size) in [("temp_degC", 1.0), ("Temp F", 5.0 / 9.0), ("board_temp_K", 1.0)] {
         assert_eq!(Degree::at_the_end(name).map(|degree| degree.size), Some(size), "{name}");
     }
     for text in ["deg", "", "s", "temp"] {
-        assert!(Degree::of(text).is_none() && Degree::at_the_end(text).is_none(), "{text}");
+        assert!(Degree::parse(text).is_none() && Degree::at_the_end(text).is_none(), "{text}");
     }
-    let boiling = Degree::of("°F").unwrap().celsius(vec![212.0, 32.0]);
+    let boiling = Degree::parse("°F").unwrap().celsius(vec![212.0, 32.0]);
     assert!((boiling[0] - 100.0).abs() < 1e-12 && boiling[1].abs() < 1e-12, "{boiling:?}");
 }

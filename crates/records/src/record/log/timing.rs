@@ -108,7 +108,7 @@ pub(crate) struct Rest {
 
 impl Rest {
     /// The column that has the rest of the seconds in `column`: `tv_usec` for `tv_sec`, or `stamp.nanosec` for `stamp.sec`.
-    fn of(file: &ColumnFile, column: usize) -> Option<Rest> {
+    fn new(file: &ColumnFile, column: usize) -> Option<Rest> {
         let names = file.names();
         if names.is_empty() {
             return Rest::without_names(file, column);
@@ -225,7 +225,7 @@ pub(crate) fn is_timing(name: &Name) -> bool {
 
 /// The columns of whole seconds, and those with the rest of each.
 pub(crate) fn parts_of_times(file: &ColumnFile) -> Vec<usize> {
-    let both = |column| Rest::of(file, column).map(|rest| [column, rest.column]);
+    let both = |column| Rest::new(file, column).map(|rest| [column, rest.column]);
     (0..file.columns()).filter_map(both).flatten().collect()
 }
 
@@ -254,7 +254,7 @@ pub(crate) fn found(
     let Timing::Stamps { step_s, column, unit } = timing else { return Ok((None, true)) };
     let has_unit = unit.is_some();
     let time = |column: usize, is_sure: bool| {
-        let rest = Rest::of(file, column);
+        let rest = Rest::new(file, column);
         let known = rest.map(|_| 1.0).filter(|_| unit.is_none());
         let unit_s = match known {
             None => unit_s(file, column, unit.as_deref(), &time_column(file, column))?,
@@ -300,7 +300,7 @@ pub(crate) fn found(
         return time(column, is_sure);
     }
     if let Some(column) =
-        nearest(file, candidates(&|column| Rest::of(file, column).is_some()), wanted.first())
+        nearest(file, candidates(&|column| Rest::new(file, column).is_some()), wanted.first())
     {
         notes.push(format!("times are taken from {}", time_column(file, column)));
         return time(column, true);
@@ -308,7 +308,7 @@ pub(crate) fn found(
     let are_parts = |column: &usize| {
         let is_wanted =
             [*column, column + 1].iter().any(|part| wanted.contains(part) || taken == Some(*part));
-        file.names().is_empty() && !is_wanted && Rest::of(file, *column).is_some()
+        file.names().is_empty() && !is_wanted && Rest::new(file, *column).is_some()
     };
     if let Some(column) = (0..file.columns()).find(are_parts) {
         notes.push(format!("times are taken from columns {} and {}", column + 1, column + 2));
@@ -367,7 +367,7 @@ fn without_times(file: &ColumnFile, unread: Option<usize>) -> RecordError {
 pub(crate) fn asked(file: &ColumnFile, timing: &Timing) -> Option<(Option<usize>, String)> {
     let Timing::Stamps { step_s: None, column, unit: None } = timing else { return None };
     let is_clock =
-        |column: usize| file.calendar(column) == Some(Calendar::Time) || Rest::of(file, column).is_some();
+        |column: usize| file.calendar(column) == Some(Calendar::Time) || Rest::new(file, column).is_some();
     let is_epoch =
         |column: usize| file.rows(column).first().is_some_and(|first| epoch_unit(*first).is_some());
     let at = match column {

@@ -198,7 +198,7 @@ struct Shared<'a> {
 
 impl PhysicalTheory {
     /// The theory of the records of a point.
-    pub(crate) fn of(point: &Point, estimator: Estimator) -> PhysicalTheory {
+    pub(crate) fn new(point: &Point, estimator: Estimator) -> PhysicalTheory {
         let inputs = &point.inputs;
         PhysicalTheory {
             process: inputs.noise.process(inputs.sample_s, inputs.samples()),
@@ -349,7 +349,7 @@ impl LoweredCurve {
             key,
         };
         let records = Records::new(&asked)?;
-        let estimate = Id::of(&format!("estimate\n{}ms={:?}\n", named(estimator), point.ms));
+        let estimate = Id::from_text(&format!("estimate\n{}ms={:?}\n", named(estimator), point.ms));
         let address = Address { point: id, estimate, digest: records.digest() };
         Ok(LoweredCurve { records, address })
     }

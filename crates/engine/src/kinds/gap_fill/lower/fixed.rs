@@ -96,7 +96,7 @@ impl Fixed {
         let gap_sigma =
             libm::round(physical.sigma_arcsec * libm::sqrt(f64::from(n)) / lsb_arcsec * SIGMA_UNITS) as u32;
         let profile = physical.profile.as_ref().map(|profile| FixedProfile {
-            rounded: Rounded::of(&profile.replay, lsb_arcsec),
+            rounded: Rounded::new(&profile.replay, lsb_arcsec),
             positions: profile.positions,
             every: profile.every,
         });
@@ -443,7 +443,7 @@ impl Rows {
     ///
     /// # Errors
     /// The ticks do not determine the weights.
-    pub fn of(
+    pub fn new(
         filler: &Filler,
         error: Error,
         ticks: &[i32],
@@ -464,7 +464,7 @@ impl Rows {
         ticks: &[i32],
         statistics: &Statistics,
     ) -> Result<Option<Arc<Rows>>, Unrepresentable> {
-        let compute = || Rows::of(filler, error, ticks, statistics).map(|rows| rows.map(Arc::new));
+        let compute = || Rows::new(filler, error, ticks, statistics).map(|rows| rows.map(Arc::new));
         let Method::Closed(closed) = &filler.method else { return compute() };
         // What differs most comes first, as it is compared with that of all known ones.
         let key = (statistics.inputs.gap_ticks, ticks.to_vec(), closed.identity, error == Error::InGap);
@@ -566,7 +566,7 @@ pub struct Statistics<'a> {
 
 impl<'a> Statistics<'a> {
     /// The statistics of a point with these inputs.
-    pub fn of(inputs: &'a Inputs) -> Statistics<'a> {
+    pub fn new(inputs: &'a Inputs) -> Statistics<'a> {
         Statistics { inputs, motion: RefCell::default(), rate_rms: OnceCell::new() }
     }
 
@@ -700,8 +700,8 @@ mod tests {
                     own.inputs.tick_noise = TickNoise::Std(1e-3);
                     own.inputs.motion = motion.clone();
                 });
-                let statistics = Statistics::of(&configuration.inputs);
-                let rows = Rows::of(&minimum_variance(), Error::Residual, &fit_ticks, &statistics);
+                let statistics = Statistics::new(&configuration.inputs);
+                let rows = Rows::new(&minimum_variance(), Error::Residual, &fit_ticks, &statistics);
                 let weights = rows.unwrap().unwrap().values().pop().unwrap();
                 let rows = known.tick_rows(tick_s, n as u32, sides as usize);
                 let noise: f64 = weights.iter().map(|w| w * w * 1e-6).sum();

@@ -88,11 +88,11 @@ impl Lowered {
         streams: Streams,
     ) -> Result<Lowered, Unrepresentable> {
         let sides = point.sides();
-        let physical = Physical::of(&point.inputs, sides.max(DEFAULT_SIDES))?;
+        let physical = Physical::new(&point.inputs, sides.max(DEFAULT_SIDES))?;
         let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
         let fixed = Fixed::new(&physical, fixed::lsb(&physical)?, sides);
-        let statistics = Statistics::of(point.design.as_deref().unwrap_or(&point.inputs));
-        let fractions = Fractions::of(&fixed);
+        let statistics = Statistics::new(point.design.as_deref().unwrap_or(&point.inputs));
+        let fractions = Fractions::new(&fixed);
         let estimates = |(filler, fill): (&Filler, &Fill)| {
             let mut estimates = Vec::new();
             for &error in errors {
@@ -467,7 +467,7 @@ impl Estimate {
             .chain(words_of(unit_arcsec));
         let (definition, name, ticks) =
             (definition(filler, Some(&rows), designed), error.name(), &rows.ticks);
-        let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
+        let estimate = Id::from_text(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
         let pulses = fixed.representation_of_pulses(whole) + quantized.map_or(0.0, |(_, tail)| tail);
         let of_pulses = of_variance(pulses, rms_with(about) * unit);

@@ -82,7 +82,7 @@ pub(crate) struct PhysicalProfile {
 
 impl Physical {
     /// The canonical inputs, with the Gaussian motion of that number of ticks on either side of the gap.
-    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Unrepresentable> {
+    pub(crate) fn new(inputs: &Inputs, sides: usize) -> Result<Physical, Unrepresentable> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
         // Where one frequency is drawn, the kernel draws all of them, a fixed one from a band of zero width.
@@ -305,7 +305,7 @@ impl PartialEq for Rounded {
 
 impl Rounded {
     /// The angles of a replay in units of `lsb_arcsec`.
-    pub(crate) fn of(replay: &Arc<Replay>, lsb_arcsec: f64) -> Arc<Rounded> {
+    pub(crate) fn new(replay: &Arc<Replay>, lsb_arcsec: f64) -> Arc<Rounded> {
         let unit = Unit { replay: Arc::downgrade(replay), lsb: lsb_arcsec.to_bits() };
         ROUNDED.get(unit, || {
             let mut sum = 0.0;

@@ -55,7 +55,7 @@ pub(crate) struct Boundaries {
 }
 
 impl Boundaries {
-    fn of(rows: &Rows, gap_ticks: i32) -> Boundaries {
+    fn new(rows: &Rows, gap_ticks: i32) -> Boundaries {
         let weights = rows.numerators.last().map_or(&[][..], |row| row);
         let first = rows.ticks.iter().copied().fold(1, i32::min) - 1;
         let last = rows.ticks.iter().copied().fold(gap_ticks, i32::max);
@@ -147,7 +147,7 @@ impl PhysicalTheory<'_> {
     }
 
     fn boundaries<'b>(&self, rows: &'b Rows) -> &'b Boundaries {
-        rows.boundaries.get_or_init(|| Boundaries::of(rows, self.inputs.gap_ticks as i32))
+        rows.boundaries.get_or_init(|| Boundaries::new(rows, self.inputs.gap_ticks as i32))
     }
 
     /// Mean, ″, and variance, ″², without sines of random phase.

@@ -38,7 +38,7 @@ pub(crate) struct Fractions<'a> {
 type Covariance = Option<(f64, f64)>;
 
 impl<'a> Fractions<'a> {
-    pub(crate) fn of(fixed: &'a Fixed) -> Fractions<'a> {
+    pub(crate) fn new(fixed: &'a Fixed) -> Fractions<'a> {
         Fractions { fixed, known: RefCell::default() }
     }
 
@@ -72,7 +72,7 @@ impl<'a> Fractions<'a> {
 /// of tones; the average over noise and Gaussian motion is in closed form. It is right to a relative 1e-4 for profiles
 /// and for swings of up to some thirty pulses, and to 1e-3 beyond, where the lattice is coarse.
 pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> f64 {
-    if let Some((variance, _)) = Fractions::of(fixed).variance(f) {
+    if let Some((variance, _)) = Fractions::new(fixed).variance(f) {
         return variance;
     }
     let between: Vec<i32> = (f.ticks[0]..=f.ticks[f.ticks.len() - 1]).collect();
@@ -585,7 +585,7 @@ mod tests {
     }
 
     fn closed(fixed: &Fixed, f: &Functional) -> f64 {
-        Fractions::of(fixed).variance(f).expect("a motion with a closed form").0
+        Fractions::new(fixed).variance(f).expect("a motion with a closed form").0
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub(crate) mod fixed;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use crate::key::sweep::Setting;
+use crate::key::sweep::SweepTarget;
 use crate::key::{Key, ParseContext, Streams, Unrepresentable, shown};
 use crate::kinds::allan::lower::levels;
 use crate::kinds::gap_fill::lower::words_of;
@@ -108,7 +108,7 @@ impl Gyros {
         let words = digest(&recipe).into_iter().chain(words_of(fixed.lsb_arcsec));
         let address = Address {
             point: id,
-            estimate: Id::of(&format!("estimate\n{estimator:?}\nms={:?}\n", times.ms)),
+            estimate: Id::from_text(&format!("estimate\n{estimator:?}\nms={:?}\n", times.ms)),
             digest: Id::of_words(words),
         };
         Ok(Gyros { recipe, fixed, estimator, averaged, input_rate, representation, address })
@@ -463,12 +463,12 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 }
 
 /// The settings of a single tone.
-pub(crate) static SETTINGS: [Setting<Inputs>; 2] = [
-    Setting::of(&AMPLITUDE, has_one_tone, |inputs, new| {
+pub(crate) static SETTINGS: [SweepTarget<Inputs>; 2] = [
+    SweepTarget::where_it_applies(&AMPLITUDE, has_one_tone, |inputs, new| {
         let of_angle = new.dimension == Dimension::Angle;
         with_tone(inputs, |tone| tone.amplitude = Amplitude { of_angle, value: Value::Fixed(new.value) });
     }),
-    Setting::of(&FREQUENCY, has_one_tone, |inputs, new| {
+    SweepTarget::where_it_applies(&FREQUENCY, has_one_tone, |inputs, new| {
         with_tone(inputs, |tone| tone.frequency = Frequency::Fixed(new.value));
     }),
 ];

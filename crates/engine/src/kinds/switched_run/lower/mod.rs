@@ -130,11 +130,11 @@ impl LoweredRun {
         let (switch, residuals) = residuals(point, study, seed, streams)?;
         let text = canonical(point, study, &switch);
         let (id, key) = identity("switched-run", seed, streams, &text);
-        let drift = Drift::of(point, study);
+        let drift = Drift::new(point, study);
         let schedule = Schedule { end: End::Exact, ..point.schedule };
         let exact = (study.trajectories > 0 && point.schedule.end != End::Exact)
             .then(|| RunPoint { schedule, ..point.clone() });
-        let relocking = FixedRelocking::of(point)?;
+        let relocking = FixedRelocking::new(point)?;
         let physical = PhysicalRun::new(point, study);
         let filled = |Switched {
                           name,
@@ -145,11 +145,11 @@ impl LoweredRun {
                       }: Switched| {
             let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
             let exact = exact.as_ref().map(|point| {
-                Box::new(Fixed::new(&Drift::of(point, study), &residual, relock.clone(), point, study))
+                Box::new(Fixed::new(&Drift::new(point, study), &residual, relock.clone(), point, study))
             });
             let fixed = Fixed::new(&drift, &residual, relock, point, study);
             let of = |fixed: &Fixed, angle: String, more: Vec<u32>| {
-                let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
+                let estimate = Id::from_text(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
                 let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
                 Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
             };
@@ -424,7 +424,7 @@ impl Fixed {
         let mode = study.first_mode == FirstMode::Random;
         let lsb_arcsec = lsb(drift, residual, relock.as_ref(), point, study.timing);
         let sigma = |arcsec: f64| libm::round(arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
-        let warm_up = WarmUp::of(point, study, lsb_arcsec);
+        let warm_up = WarmUp::new(point, study, lsb_arcsec);
         let row = |row: &Row| fixed_row(row, mode, lsb_arcsec, warm_up.as_ref());
         let walk = point.drift.angle_random_walk;
         // The last interval, and its length.

@@ -326,7 +326,7 @@ pub(crate) struct Drift {
 }
 
 impl Drift {
-    pub(crate) fn of(point: &RunPoint, study: &SwitchedRun) -> Drift {
+    pub(crate) fn new(point: &RunPoint, study: &SwitchedRun) -> Drift {
         let Schedule { interval_s, duration_s, end } = point.schedule;
         let intervals = point.intervals();
         let ends = (1..=intervals).map(|k| match end {
@@ -403,7 +403,7 @@ pub(crate) struct WarmUp {
 
 impl WarmUp {
     /// The warm-up of a point, where its time constant is drawn.
-    pub(crate) fn of(point: &RunPoint, study: &SwitchedRun, lsb_arcsec: f64) -> Option<WarmUp> {
+    pub(crate) fn new(point: &RunPoint, study: &SwitchedRun, lsb_arcsec: f64) -> Option<WarmUp> {
         let drift = &point.drift;
         let (interval_s, time_s) = (point.schedule.interval_s, drift.warm_up_s);
         let halvings = point.schedule.longest_s() / time_s * LOG2_E;
@@ -494,7 +494,7 @@ pub(crate) struct FixedRelocking {
 }
 
 impl FixedRelocking {
-    pub(crate) fn of(point: &RunPoint) -> Result<Option<FixedRelocking>, Unrepresentable> {
+    pub(crate) fn new(point: &RunPoint) -> Result<Option<FixedRelocking>, Unrepresentable> {
         let (Some(Relocking { relock, compensation }), Some(fill)) = (&point.relock, &point.fill) else {
             return Ok(None);
         };
