@@ -39,7 +39,7 @@ fn half_the_noise_is_found_in_table_csv_json_answer_and_pictures() {
         "ratio",
         "lower",
         "b has 0.49",
-        "Equal noise  p < 1e-12, ",
+        "Test of equality  p < 1e-12, ",
         "results/a_vs_b",
     ] {
         let said = format!("{}{}", ended.stdout, ended.stderr);
@@ -87,7 +87,7 @@ fn half_the_noise_is_found_in_table_csv_json_answer_and_pictures() {
         (rows_of(&document, "coefficients")[0]["a"].as_f64().unwrap() / number(n, "a") - 1.0).abs() < 1e-8
     );
     assert_eq!(rows_of(&document, "compare").len(), 12);
-    assert_eq!(fact_of(&document, "test")["name"], "Equal noise");
+    assert_eq!(fact_of(&document, "test")["name"], "Test of equality");
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn the_headers_of_the_files_are_the_documented_ones() {
 fn equal_noise_is_not_told_apart_and_the_length_that_would_is_named() {
     let desk = two(lines(&white(4096, 6.0, 1)), lines(&white(2048, 6.0, 2)));
     let ended = done(&desk, &format!("a.csv b.csv {RATE}"));
-    for piece in ["Equal noise  p = 0.", "No significant difference: N ratio", "To decide"] {
+    for piece in ["Test of equality  p = 0.", "No significant difference: N ratio", "To decide"] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let n = &desk.table("results/a_vs_b/coefficients.csv")[0];
@@ -188,7 +188,7 @@ fn gaps_and_outliers_are_said_and_no_fit_leaves_the_curves() {
         assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
     }
     assert!(
-        ended.stdout.contains("Equal noise  p = ") && ended.stdout.contains(", 10 averaging times"),
+        ended.stdout.contains("Test of equality  p = ") && ended.stdout.contains(", 10 averaging times"),
         "{}",
         ended.stdout
     );

@@ -488,9 +488,9 @@ impl<'t> Question<'t> {
         self.y.magnitude(row)
     }
 
-    /// The value of a row with its interval, as a magnitude where less is better.
+    /// The value of a row with its interval, as a magnitude where it has a limit.
     pub(super) fn reading(&self, row: usize) -> Reading {
-        match self.limit.is_some() || self.y.role.less_is_better() {
+        match self.limit.is_some() {
             true => Reading::new(self.y, self.size(row), self.y.interval_of_magnitude(row)),
             false => Reading::of_row(self.y, row),
         }

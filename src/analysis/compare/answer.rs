@@ -174,7 +174,7 @@ impl Analysis {
         if let Some(same) = self.comparison.same.filter(|_| !self.is_one_record) {
             let longest = significant(same.longest_s, 4);
             facts.push(Fact::Test {
-                name: "Equal noise".to_owned(),
+                name: "Test of equality".to_owned(),
                 p: same.p,
                 of: format!("{} averaging times up to {longest} s", same.times),
             });

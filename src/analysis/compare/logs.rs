@@ -275,7 +275,7 @@ impl<'a> Judged<'a> {
         match (self.ratio, self.ends) {
             (Some(ratio), [Some(low), Some(high)]) => {
                 let ends = range(&shown(low), &shown(high));
-                format!("{name} ratio {} {verb} the limit {limit} ({ends})", shown(ratio))
+                format!("{name} ratio {} ({ends}) {verb} the limit {limit}", shown(ratio))
             }
             (_, [None, Some(high)]) => format!("{name} ratio ≤ {} {verb} the limit {limit}", shown(high)),
             (_, [Some(low), _]) => format!("{name} ratio ≥ {} {verb} the limit {limit}", shown(low)),

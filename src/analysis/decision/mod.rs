@@ -206,7 +206,7 @@ impl Sheet {
         let mut facts = Vec::new();
         if self.met[1] > 1 && self.value.value.is_finite() {
             let ratio = self.limit.map(|limit| self.value.value / limit.value).filter(|ratio| *ratio > 1.0);
-            let option = (self.options > 1).then(|| format!("best option {}", self.option));
+            let option = (self.options > 1).then(|| format!("with {}", self.option));
             let condition = Some(self.condition.clone()).filter(|condition| !condition.is_empty());
             let at = condition.into_iter().chain(option).collect::<Vec<_>>().join(", ");
             facts.push(Fact::WorstCase { value: self.reading.clone(), at, ratio_to_limit: ratio });

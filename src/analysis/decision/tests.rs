@@ -93,7 +93,7 @@ fn an_option_that_meets_the_limit_more_often_says_so() {
     let partly = decided(&limit(0.5 * worst("const")));
     assert_eq!(partly.status(), Status::PartlyMet { met: 1, of: 2 });
     let worst_case = partly.facts().into_iter().find(|fact| fact.label() == "Worst case").unwrap();
-    assert!(worst_case.text().ends_with("at 4″, best option const (2 × limit)"), "{}", worst_case.text());
+    assert!(worst_case.text().ends_with("at 4″, with const (2 × limit)"), "{}", worst_case.text());
 }
 
 #[test]

@@ -27,15 +27,23 @@ fn status(level: f64, limit: Option<f64>) -> Status {
     }
 }
 
-/// A filler with its 99.73 % level, which may have a limit.
-fn headline(name: &str, level: f64, limit: Option<f64>) -> String {
+/// A filler with its 99.73 % level where the motion is `off`, which may have a limit.
+fn headline(name: &str, level: f64, off: &str, limit: Option<f64>) -> String {
     let level_text = arcsec("", level).text();
     match limit {
-        None => format!("{name}: {level_text} residual at 99.73 %"),
+        None => format!("{name}: {level_text} at 99.73 %, {off}"),
         Some(limit) => {
             let verb = if level <= limit { "meets" } else { "misses" };
-            format!("{name}: {level_text} at 99.73 % {verb} the {} limit", arcsec("", limit).text())
+            format!("{name}: {level_text} {verb} the {} limit, {off}", arcsec("", limit).text())
         }
+    }
+}
+
+/// How far frequencies may be off, in a few words.
+fn off(shift: Option<f64>) -> String {
+    match shift {
+        Some(shift) => format!("f ±{} %", significant(100.0 * shift, 3)),
+        None => "within tolerance".to_owned(),
     }
 }
 
@@ -88,7 +96,7 @@ impl Firmware {
         let size = known.first().map(|(_, size)| *size);
         let limit = self.limit_arcsec;
         let headline = match (first, level, size) {
-            (Some(best), Some(level), _) => headline(&best.name, level, limit),
+            (Some(best), Some(level), _) => headline(&best.name, level, &off(self.shift), limit),
             (Some(best), None, Some(rms)) => {
                 begun(&format!("{}: {} rms residual", best.name, arcsec("", rms).text()))
             }
@@ -158,11 +166,8 @@ impl Firmware {
             ];
             Line { name: design.name.clone(), is_usable: true, cells }
         };
-        let off = match self.shift {
-            Some(shift) => format!("99.73 % at f ±{} %", significant(100.0 * shift, 3)),
-            None => "99.73 % within tolerance".to_owned(),
-        };
-        let heads = ["filler", "rms", "99.73 %", &off, "√Σw²", "latency"];
+        let level = format!("99.73 %, {}", off(self.shift));
+        let heads = ["filler", "rms", "99.73 %", &level, "√Σw²", "latency"];
         let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect()).without_blanks();
         AnswerTable { best: table.best.filter(|_| !known.is_empty()), ..table }
     }
@@ -223,7 +228,7 @@ impl Trade {
         Answer {
             kind: Kind::Choice,
             status: status(chosen.level, limit),
-            headline: headline(&name(chosen), chosen.level, limit),
+            headline: headline(&name(chosen), chosen.level, &off(self.shift), limit),
             value: Some(arcsec("p99_73", chosen.level)),
             limit: limit.map(|limit| arcsec("p99_73", limit)),
             table: self.options(),
@@ -252,11 +257,8 @@ impl Trade {
         // The choice may read fewer ticks before the gap than those of the least error.
         let shown =
             shown.into_iter().map(|one| if one.after == self.chosen.after { self.chosen } else { one });
-        let off = match self.shift {
-            Some(shift) => format!("rms at f ±{} %", significant(100.0 * shift, 3)),
-            None => "rms within tolerance".to_owned(),
-        };
-        let heads = ["ticks before + after", "latency", "rms as given", &off, "99.73 %", "limit"];
+        let rms = format!("rms, {}", off(self.shift));
+        let heads = ["ticks before + after", "latency", "rms as given", &rms, "99.73 %", "limit"];
         let omitted = all.len().saturating_sub(MAX_ROWS);
         AnswerTable { best: Some(place - first), omitted, ..AnswerTable::new(heads, shown.map(row)) }
     }

@@ -6,6 +6,7 @@ use crate::analysis::model::state_space::si;
 use crate::analysis::model::tables::lines;
 use crate::analysis::model::target::{MAX_TAU_PART, NEAR};
 use crate::analysis::model::{Aim, Analysis, Column, tables};
+use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::{Deviation, Unit};
 use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
@@ -53,15 +54,14 @@ impl Analysis {
 
     fn headline(&self, column: &Column, excess: &Reading) -> String {
         let model = &column.found.model;
-        let parts = match (model.markov.len(), model.white > 0.0, model.walk > 0.0) {
-            (0, true, true) => "N and K".to_owned(),
-            (0, _, true) => "K".to_owned(),
-            (0, ..) => "N".to_owned(),
-            (1, ..) => "1 Gauss–Markov state".to_owned(),
-            (states, ..) => format!("{states} Gauss–Markov states"),
+        let symbols = [("Q", model.quantization), ("N", model.white), ("K", model.walk)];
+        let symbols: Vec<&str> =
+            symbols.into_iter().filter(|(_, size)| *size > 0.0).map(|(symbol, _)| symbol).collect();
+        let (parts, several) = match model.markov.len() {
+            0 => (listed(&symbols), symbols.len() > 1),
+            1 => ("1 Gauss–Markov state".to_owned(), false),
+            states => (format!("{states} Gauss–Markov states"), true),
         };
-        let several =
-            model.markov.len() > 1 || (model.markov.is_empty() && model.white > 0.0 && model.walk > 0.0);
         let verb = match (self.request.aim, several) {
             (Aim::Describe, true) => "describe",
             (Aim::Describe, false) => "describes",

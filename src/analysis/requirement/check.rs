@@ -244,7 +244,7 @@ impl<'a> Judged<'a> {
         };
         match (&self.shown, self.reading()) {
             (_, Some(reading)) => {
-                format!("{name} {} {verb} the {limit} limit{}", reading.text(), reading.in_brackets())
+                format!("{name} {} {verb} the {limit} limit", reading.with_interval())
             }
             (Ok(Shown { ends: [_, most], .. }), None) => {
                 format!("{name} ≤ {} {verb} the {limit} limit", self.in_unit(*most, None).text())

@@ -246,6 +246,14 @@ impl<'a> SpannedValue<'a> {
     }
 }
 
+#[cfg(test)]
+std::thread_local! {
+    /// The names of the keys that were asked for on this thread.
+    pub(crate) static READ: std::cell::RefCell<std::collections::BTreeSet<&'static str>> = const {
+        std::cell::RefCell::new(std::collections::BTreeSet::new())
+    };
+}
+
 /// A table as written.
 #[derive(Clone)]
 pub(crate) struct Table<'a> {
@@ -263,6 +271,13 @@ impl<'a> Table<'a> {
 
     /// The value of a key of this table, or of a table within it.
     pub(crate) fn get(&self, key: &'static Key) -> Option<SpannedValue<'a>> {
+        #[cfg(test)]
+        READ.with_borrow_mut(|read| read.insert(key.name));
+        self.find(key)
+    }
+
+    /// The value of a key, for checks that do not use it.
+    pub(crate) fn find(&self, key: &'static Key) -> Option<SpannedValue<'a>> {
         let (path, mut entries) = (key.name.strip_prefix(self.name)?.trim_start_matches('.'), self.entries);
         let (tables, last) = path.rsplit_once('.').unwrap_or(("", path));
         for table in tables.split('.').filter(|table| !table.is_empty()) {
@@ -315,7 +330,7 @@ pub(crate) fn check(table: &Table, keys: &[&'static Key], stray: Stray) -> Resul
         };
         check_value(SpannedValue { key, value }, &key.holds, false, keys, stray)?;
     }
-    match own().find(|key| key.required && table.get(key).is_none()) {
+    match own().find(|key| key.required && table.find(key).is_none()) {
         Some(key) => Err(Fault::missing_key(key.name, key.example, table.span.clone())),
         None => Ok(()),
     }

@@ -88,7 +88,7 @@ pub(crate) fn checked(study: &Table) -> Result<(&'static Kind, &'static OfKind),
         return Err(written.fault(format!("unknown value {written}"), "not one of the choices", help));
     };
     check(study, &keys.keys, &|name, span| of_others(kind, name, span))?;
-    let missing = keys.keys.iter().find(|key| keys.needs.contains(&key.name) && study.get(key).is_none());
+    let missing = keys.keys.iter().find(|key| keys.needs.contains(&key.name) && study.find(key).is_none());
     match missing {
         Some(table) => Err(Fault::missing_table(table.name, table.example, kind.name, written.span())),
         None => Ok((kind, keys)),
@@ -124,6 +124,9 @@ keys! {
 mod keys_tests {
     use super::*;
     use crate::key::Key;
+    use crate::key::document::READ;
+    use crate::study::Study;
+    use std::path::Path;
 
     #[test]
     fn every_key_is_explained_and_the_example_names_it() {
@@ -152,6 +155,46 @@ mod keys_tests {
             let is_swept = swept.iter().any(|known| known.name == key.name);
             assert_eq!(is_swept, !key.label.is_empty(), "{}", key.name);
         }
+    }
+
+    /// A key that nothing asks for would be accepted and have no effect.
+    #[test]
+    fn every_listed_key_is_read_by_some_study() {
+        let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+        for path in std::fs::read_dir(studies).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.extension().is_some_and(|end| end == "toml") {
+                Study::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            }
+        }
+        let modes = r#"modes = [{ frequency = "80 Hz", q = 50, response = "1 deg/s/g" }]"#;
+        let gap = format!(
+            r#"title = "A line, a band and modes"
+               kind = "gap-fill"
+               trials = 64
+               [gyro]
+               tick = "2 ms"
+               tick_noise = {{ std = "0.2 arcsec" }}
+               [motion]
+               suspension = {{ {modes}, sine = {{ acceleration = "1 g", frequency = "50 Hz" }} }}
+               [specification]
+               lines = [{{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }}]
+               bands = [{{ rms = "1 deg/s", band = ["30 Hz", "80 Hz"], tolerance = "5 %" }}]
+               [switching]
+               gap_ticks = 3
+               fillers = ["const"]
+               errors = ["residual"]"#
+        );
+        let response =
+            format!("title = \"Modes\"\nkind = \"suspension\"\n[suspension]\nfrequency = \"20 Hz\"\n{modes}");
+        for text in [gap, response] {
+            Study::parse("study.toml", &text).unwrap_or_else(|error| panic!("{error:?}"));
+        }
+        let read = READ.take();
+        // A table by itself has no value, and tables of lists are read by the names of their keys.
+        let all = docs::distinct(OF_KINDS.iter().flat_map(|kind| kind.keys.clone()).collect::<Vec<_>>());
+        let is_read = |key: &Key| key.holds.is_table() || read.contains(key.name);
+        let unread: Vec<&str> = all.iter().filter(|key| !is_read(key)).map(|key| key.name).collect();
+        assert!(unread.is_empty(), "nothing reads {unread:?}");
     }
 
     #[test]

@@ -43,9 +43,21 @@ impl Reading {
         Reading::new(column, column.value(row), column.interval(row))
     }
 
-    /// The value with its unit.
+    /// The value with its unit, with as many digits as put it inside its interval as that is shown.
     pub fn text(&self) -> String {
-        joined(&number(self.value), &self.unit)
+        let digits = [DIGITS, MAX_DIGITS].into_iter().find(|digits| self.is_inside(*digits));
+        joined(&number_of(self.value, digits.unwrap_or(DIGITS)), &self.unit)
+    }
+
+    /// Whether the value, rounded to so many digits, is within the interval as it is shown.
+    fn is_inside(&self, digits: usize) -> bool {
+        let ends = self.interval.and_then(|interval| interval_ends(self.value, interval));
+        let number = |text: &str| text.parse::<f64>().ok();
+        let is_within = |[low, high]: [String; 2]| {
+            let value = number(&significant(self.value, digits))?;
+            Some(number(&low)? <= value && value <= number(&high)?)
+        };
+        ends.and_then(is_within).unwrap_or(true)
     }
 
     /// The ends of the interval with the unit; `None` where the digits shown do not tell them apart.
@@ -97,8 +109,12 @@ fn of_time(seconds: f64) -> (f64, &'static str) {
 
 /// A number with three digits and a true minus sign.
 pub fn number(value: f64) -> String {
+    number_of(value, DIGITS)
+}
+
+fn number_of(value: f64, digits: usize) -> String {
     match value.is_finite() {
-        true => significant(value, DIGITS).replace('-', "−"),
+        true => significant(value, digits).replace('-', "−"),
         false => "—".to_owned(),
     }
 }

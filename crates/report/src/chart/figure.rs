@@ -30,7 +30,7 @@ pub struct Figure {
     pub lines: String,
     /// The curves; later ones are drawn over earlier ones.
     pub series: Vec<Series>,
-    /// LX.
+    /// Reference curves.
     pub laws: Vec<Law>,
     /// Parts of which a curve is the sum.
     pub parts: Parts,

@@ -246,6 +246,9 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
         let sample = if is_bars { Sample::Bar(MUTED) } else { Sample::Band(MUTED) };
         rows.push(Row::Entry(sample, figure.bands.clone()));
     }
+    if figure.marks.iter().any(|mark| mark.range.is_some()) {
+        rows.push(Row::Entry(Sample::Band(MUTED), "within 4 % of the marked best".to_owned()));
+    }
     rows
 }
 
