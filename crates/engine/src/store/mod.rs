@@ -93,6 +93,11 @@ impl Identity {
     pub fn id(&self) -> Id {
         Id::from_text(&format!("study\nkind={}\nseed={}\nstreams={}\n", self.kind, self.seed, self.streams))
     }
+
+    /// A digest of the study, its kernels and the encoding of rows.
+    fn digest(&self) -> Id {
+        Id::from_text(&format!("{}\n{}\n{SCHEMA_VERSION}", self.id(), self.kernels))
+    }
 }
 
 /// The address of a tally: its point, its estimate and the digest of its parameters.
@@ -166,7 +171,6 @@ impl Provenance {
 pub struct Store {
     path: PathBuf,
     keep: Box<dyn Keep>,
-    #[cfg_attr(not(feature = "store"), expect(dead_code, reason = "only folders are merged"))]
     identity: Identity,
 }
 
@@ -214,10 +218,43 @@ impl Store {
     /// # Errors
     /// A row disagrees with one that is here, or the disk fails.
     pub fn copy_from(&mut self, other: &Store) -> Result<(), StoreError> {
-        let addresses: HashSet<Address> =
-            other.keep.keys()?.into_iter().map(|(address, _)| address).collect();
-        let rows = other.keep.rows(&addresses.into_iter().collect::<Vec<_>>())?.concat();
-        self.keep.insert(&rows, None, &other.path).map(|_| ())
+        self.keep.insert(&other.all()?, None, &other.path).map(|_| ())
+    }
+
+    /// All rows, in no order.
+    fn all(&self) -> Result<Vec<Raw>, StoreError> {
+        let addresses: HashSet<Address> = self.keep.keys()?.into_iter().map(|(address, _)| address).collect();
+        Ok(self.keep.rows(&addresses.into_iter().collect::<Vec<_>>())?.concat())
+    }
+
+    /// All rows as bytes, which [`add_bytes`](Store::add_bytes) takes in another process, such as another worker of a page in a
+    /// browser.
+    ///
+    /// # Errors
+    /// A row is damaged, or the disk fails.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
+        let mut bytes = self.identity.digest().0.to_vec();
+        self.all()?.iter().for_each(|raw| raw.put(&mut bytes));
+        Ok(bytes)
+    }
+
+    /// Adds the rows that [`to_bytes`](Store::to_bytes) of a store of the same study gave; those that are here already have no
+    /// effect.
+    ///
+    /// # Errors
+    /// The bytes are of another study, kernel or version, or are damaged, a row disagrees with one that is here, or the disk fails.
+    pub fn add_bytes(&mut self, bytes: &[u8]) -> Result<(), StoreError> {
+        let path = PathBuf::from("rows of another process");
+        let damaged = |what: &str| StoreError::Damaged { path: path.clone(), what: what.to_owned() };
+        let own = self.identity.digest().0;
+        let mut rest =
+            bytes.strip_prefix(&own).ok_or_else(|| damaged("they are of another study or version"))?;
+        let mut rows = Vec::new();
+        while !rest.is_empty() {
+            let raw = Raw::take(&mut rest).ok_or_else(|| damaged("a row is cut"))?;
+            rows.push(raw.sound(&path)?);
+        }
+        self.keep.insert(&rows, None, &path).map(|_| ())
     }
 
     /// Opens the store of a results folder, which is created where it is missing.

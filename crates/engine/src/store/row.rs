@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use crate::store::{Address, Row, StoreError, Tally};
-use crate::tally::Block;
-#[cfg(feature = "store")]
-use crate::tally::Id;
+use crate::tally::{Block, Id};
 use sagnac_kernel::moments::Moments;
 use sagnac_kernel::rows::Rows;
 
@@ -47,6 +45,35 @@ impl Raw {
     pub(crate) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
         let (address, block) = Raw::read_key(row)?;
         Ok(Raw { address, block, sums: row.get(5)?, checksum: row.get(6)? })
+    }
+
+    /// Appends the row to `bytes`.
+    pub(crate) fn put(&self, bytes: &mut Vec<u8>) {
+        let Address { point, estimate, digest } = self.address;
+        [point, estimate, digest].iter().for_each(|id| bytes.extend(id.0));
+        bytes.extend(self.block.first.to_le_bytes());
+        bytes.extend(self.block.log2.to_le_bytes());
+        bytes.extend(self.checksum.to_le_bytes());
+        bytes.extend((self.sums.len() as u64).to_le_bytes());
+        bytes.extend(&self.sums);
+    }
+
+    /// Takes a row from the front of `bytes`; `None` where they end within it.
+    pub(crate) fn take(bytes: &mut &[u8]) -> Option<Raw> {
+        let mut next = || -> Option<[u8; 16]> {
+            let (id, rest) = bytes.split_first_chunk()?;
+            *bytes = rest;
+            Some(*id)
+        };
+        let address = Address { point: Id(next()?), estimate: Id(next()?), digest: Id(next()?) };
+        let (first, rest) = bytes.split_first_chunk()?;
+        let (log2, rest) = rest.split_first_chunk()?;
+        let (checksum, rest) = rest.split_first_chunk()?;
+        let (length, rest) = rest.split_first_chunk()?;
+        let block = Block { first: u64::from_le_bytes(*first), log2: u32::from_le_bytes(*log2) };
+        let (sums, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+        *bytes = rest;
+        Some(Raw { address, block, sums: sums.to_vec(), checksum: u32::from_le_bytes(*checksum) })
     }
 
     /// Returns the row if it is as written.
