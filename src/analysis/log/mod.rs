@@ -233,7 +233,14 @@ impl Treatment {
     /// # Errors
     /// The log is refused.
     pub fn read(&self, path: &Path, request: &Request) -> Result<Log, RecordError> {
-        let mut log = Log::read(path, request)?;
+        self.checked(Log::read(path, request)?)
+    }
+
+    /// Cuts and checks a log that was read.
+    ///
+    /// # Errors
+    /// Nothing is left of it, or its numbers seem to be something else.
+    pub fn checked(&self, mut log: Log) -> Result<Log, RecordError> {
         if self.skip_s > 0.0 || self.until_s.is_some() {
             log.cut(self.skip_s, self.until_s)?;
         }

@@ -150,12 +150,29 @@ impl Log {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(path: &Path, request: &Request) -> Result<Log, RecordError> {
-        // Columns of temperature that nobody asked for are no reason to refuse a log.
-        Log::read_with(path, request, true).or_else(|_| Log::read_with(path, request, false))
+        Log::read_from(&path.display().to_string(), Origin::Path(path), request)
     }
 
-    fn read_with(path: &Path, request: &Request, has_thermometers: bool) -> Result<Log, RecordError> {
-        let mut file = ColumnFile::open(path.display().to_string(), Origin::Path(path), &request.hints)?;
+    /// Reads the columns that `request` selects of a log in memory, whose file is called `name`, as [`read`](Log::read) does.
+    ///
+    /// # Errors
+    /// All faults that were found, as those of [`read`](Log::read).
+    pub fn read_bytes(name: &str, bytes: &[u8], request: &Request) -> Result<Log, RecordError> {
+        Log::read_from(name, Origin::Bytes(bytes), request)
+    }
+
+    fn read_from(name: &str, origin: Origin, request: &Request) -> Result<Log, RecordError> {
+        // Columns of temperature that nobody asked for are no reason to refuse a log.
+        Log::read_with(name, origin, request, true).or_else(|_| Log::read_with(name, origin, request, false))
+    }
+
+    fn read_with(
+        name: &str,
+        origin: Origin,
+        request: &Request,
+        has_thermometers: bool,
+    ) -> Result<Log, RecordError> {
+        let mut file = ColumnFile::open(name.to_owned(), origin, &request.hints)?;
         let (mut faults, mut notes) = (Faults::default(), file.inferred());
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
         let thermometer = request.temperature.as_ref();
