@@ -20,6 +20,7 @@ mod arg_parsers;
 mod chart;
 mod check;
 mod compare;
+mod convert;
 mod design;
 mod device;
 mod explain;

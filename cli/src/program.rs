@@ -77,6 +77,8 @@ commands! {
     Compare(crate::compare::Options) = crate::compare::compare;
     /// Find the noise model of a log for a navigation filter
     Model(crate::model::Options) = crate::model::model;
+    /// Convert a noise coefficient between units and conventions
+    Convert(crate::convert::Options) = crate::convert::convert;
     /// Rebuild the page of results, redraw a chart, or make a gallery
     Report(crate::report::Options) = crate::report::report;
     /// Merge results: shares of a study, or runs of several machines
