@@ -48,6 +48,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 pub(crate) mod pair;
+#[cfg(all(target_family = "wasm", feature = "simd128"))]
+mod simd128;
 
 /// The number of lanes in which the kernels run. All widths give the same bits; only widths that the processor has can
 /// be constructed.
@@ -61,6 +63,8 @@ enum Lanes {
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    #[cfg(all(target_family = "wasm", feature = "simd128"))]
+    Simd128,
 }
 
 /// Work that can be done in any width.
@@ -77,7 +81,7 @@ impl Width {
 
     /// The widths that this processor has, narrowest first.
     pub fn available() -> Vec<Width> {
-        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut))]
+        #[cfg_attr(not(target_arch = "x86_64"), allow(unused_mut))]
         let mut widths = vec![Width::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {
@@ -93,6 +97,9 @@ impl Width {
             widths.extend(avx2.then_some(Width(Lanes::Avx2)));
             widths.extend((avx2 && avx512).then_some(Width(Lanes::Avx512)));
         }
+        // WebAssembly has no detection: a module with these instructions is loaded only where they are.
+        #[cfg(all(target_family = "wasm", feature = "simd128"))]
+        widths.push(Width(Lanes::Simd128));
         widths
     }
 
@@ -109,6 +116,8 @@ impl Width {
             Lanes::Avx2 => "AVX2",
             #[cfg(target_arch = "x86_64")]
             Lanes::Avx512 => "AVX-512",
+            #[cfg(all(target_family = "wasm", feature = "simd128"))]
+            Lanes::Simd128 => "SIMD128",
         }
     }
 
@@ -120,6 +129,8 @@ impl Width {
             Lanes::Avx2 => avx2::Avx2::LANES,
             #[cfg(target_arch = "x86_64")]
             Lanes::Avx512 => avx512::Avx512::LANES,
+            #[cfg(all(target_family = "wasm", feature = "simd128"))]
+            Lanes::Simd128 => simd128::Simd128::LANES,
         }
     }
 
@@ -134,6 +145,8 @@ impl Width {
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             Lanes::Avx512 => unsafe { in_avx512(work) },
+            #[cfg(all(target_family = "wasm", feature = "simd128"))]
+            Lanes::Simd128 => in_simd128(work),
         }
     }
 }
@@ -148,4 +161,10 @@ fn in_avx2<T: AnyWidth>(work: T) -> T::Output {
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt")]
 fn in_avx512<T: AnyWidth>(work: T) -> T::Output {
     work.run::<avx512::Avx512>()
+}
+
+#[cfg(all(target_family = "wasm", feature = "simd128"))]
+#[target_feature(enable = "simd128")]
+fn in_simd128<T: AnyWidth>(work: T) -> T::Output {
+    work.run::<simd128::Simd128>()
 }
