@@ -107,6 +107,14 @@ impl Key {
         matches!(self.holds, ValueType::Whole(..))
     }
 
+    /// The lowest and the highest value, in base units; `None` for what is no number.
+    pub fn limits(&self) -> Option<[f64; 2]> {
+        match self.holds {
+            ValueType::Whole(low, high) => Some([low as f64, high as f64]),
+            _ => self.holds.measured().map(|measure| [measure.limits.0, measure.limits.1]),
+        }
+    }
+
     /// Whether it holds the name of a file.
     pub(crate) fn is_file(&self) -> bool {
         matches!(self.holds, ValueType::File)
@@ -115,13 +123,8 @@ impl Key {
     /// Whether a quantity is within its limits.
     pub(crate) fn admits(&self, value: f64) -> bool {
         match self.holds {
-            ValueType::Whole(low, high) => {
-                value.fract() == 0.0 && (low as f64..=high as f64).contains(&value)
-            }
-            _ => self
-                .holds
-                .measured()
-                .is_some_and(|Measure { limits: (low, high), .. }| (low..=high).contains(&value)),
+            ValueType::Whole(..) if value.fract() != 0.0 => false,
+            _ => self.limits().is_some_and(|[low, high]| (low..=high).contains(&value)),
         }
     }
 

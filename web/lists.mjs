@@ -1,0 +1,46 @@
+// node web/lists.mjs SITE: adds the gallery of studies and the example log to the site, and the list of its files.
+
+import { createHash } from "node:crypto";
+import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
+import { join, relative } from "node:path";
+
+const site = process.argv[2];
+const root = new URL("..", import.meta.url).pathname;
+const studies = join(root, "studies");
+
+/** The value of a text at the top of a study. */
+const value = (text, key) => text.match(new RegExp(`^${key} = "(.*)"$`, "m"))?.[1] ?? "";
+
+/** The files that a study names, with their texts. */
+function inputs(text) {
+  const names = [...text.matchAll(/"(data\/[^"]+)"/g)].map(([, name]) => name);
+  const here = names.filter((name) => existsSync(join(studies, name)));
+  return Object.fromEntries(here.map((name) => [name, readFileSync(join(studies, name), "utf8")]));
+}
+
+function* filesOf(folder) {
+  for (const name of readdirSync(folder).sort()) {
+    const path = join(folder, name);
+    if (statSync(path).isDirectory()) yield* filesOf(path);
+    else yield path;
+  }
+}
+
+mkdirSync(join(site, "gallery"));
+const gallery = readdirSync(studies).filter((name) => name.endsWith(".toml")).sort().map((file) => {
+  const name = file.slice(0, -".toml".length);
+  const text = readFileSync(join(studies, file), "utf8");
+  const picture = `gallery/${name}.svg`;
+  copyFileSync(join(root, "docs/gallery/pictures", `${name}.svg`), join(site, picture));
+  return { name, title: value(text, "title"), question: value(text, "question"), kind: value(text, "kind"), picture, text, files: inputs(text) };
+});
+writeFileSync(join(site, "gallery.json"), JSON.stringify(gallery));
+mkdirSync(join(site, "example"));
+copyFileSync(join(studies, "data/gyro_at_rest.csv"), join(site, "example/gyro_at_rest.csv"));
+
+// The service worker compares each file with its digest. It is not in the list itself.
+const list = [...filesOf(site)].map((path) => ({
+  path: relative(site, path),
+  sha256: createHash("sha256").update(readFileSync(path)).digest("hex"),
+}));
+writeFileSync(join(site, "files.json"), JSON.stringify(list.filter(({ path }) => path !== "sw.js")));

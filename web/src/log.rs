@@ -1,0 +1,217 @@
+//! Logs: what is recognised of one, its analysis, models for filters, navigators, and the comparison of two.
+
+use std::path::Path;
+
+use sagnac::allan::angles::Trend;
+use sagnac::analysis::log::{NoiseRequest, Treatment};
+use sagnac::analysis::model::writers::WRITERS;
+use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
+use sagnac::analysis::navigators::NavigatorRequest;
+use sagnac::analysis::temperature::regressors::Effects;
+use sagnac::fit::selection::{Fitting, Terms};
+use sagnac::outcome::Outcome;
+use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::read::{Hints, Request, Timing};
+use sagnac::record::log::{Log, Thermometer};
+use sagnac::use_cases::{self, AllanRequest, CompareRequest, ModelSource, Segments};
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::{Dimension, parse};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::message::{Refusal, Reply, in_page};
+
+/// How a log is to be read; what is empty is as the file says.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Options {
+    /// Sampling rate or step, such as `100 Hz`.
+    rate: String,
+    /// Unit of the numbers, such as `deg/h`.
+    unit: String,
+    /// Kind of the numbers: `rate`, `increment` or `angle`.
+    data: String,
+    /// Names or numbers of the columns, separated by commas.
+    column: String,
+    /// Name or number of the column of the temperature.
+    temperature: String,
+}
+
+/// A log with what is asked of it.
+#[derive(Deserialize)]
+pub(crate) struct OneLog {
+    name: String,
+    #[serde(default)]
+    options: Options,
+    /// Whether the intervals of coefficients are those of simulated records.
+    #[serde(default)]
+    simulated: bool,
+}
+
+/// Two logs that are compared.
+#[derive(Deserialize)]
+pub(crate) struct TwoLogs {
+    names: [String; 2],
+    #[serde(default)]
+    options: Options,
+}
+
+impl Options {
+    fn request(&self) -> Result<Request, Refusal> {
+        let kind = Data::ALL.into_iter().find(|data| data.name() == self.data);
+        if kind.is_none() && !self.data.is_empty() {
+            return Err(Refusal::usage(&format!("`data = {}` is no kind of numbers", self.data)));
+        }
+        let data = kind.unwrap_or(Data::Rate);
+        let unit = |text: &str| {
+            let unit = Unit::of_header(text.trim(), data);
+            unit.map_err(|wrong| Refusal::usage(&format!("{}\n{}", wrong.message, wrong.help)))
+        };
+        let units = parts(&self.unit).map(unit).collect::<Result<Vec<_>, _>>()?;
+        let step_s = Some(self.rate.trim()).filter(|rate| !rate.is_empty()).map(step).transpose()?;
+        let timing = Timing::new(step_s, None, None).map_err(|why| Refusal::usage(&why))?;
+        let column = self.temperature.trim().to_owned();
+        Ok(Request {
+            columns: parts(&self.column).map(str::to_owned).collect(),
+            timing,
+            // A unit that is given is that of a rate unless the kind is given too.
+            data: kind.or((!units.is_empty()).then_some(data)),
+            units,
+            temperature: (!column.is_empty()).then_some(Thermometer { column, unit: None }),
+            hints: Hints::default(),
+        })
+    }
+
+    fn read(&self, name: &str, file: Option<&&[u8]>) -> Result<Log, Refusal> {
+        let bytes = file.ok_or_else(|| Refusal::usage("the message has no file"))?;
+        let log = Log::read_bytes(name, bytes, &self.request()?)?;
+        Ok(Treatment::AS_RECORDED.checked(log)?)
+    }
+}
+
+/// The texts between commas.
+fn parts(list: &str) -> impl Iterator<Item = &str> {
+    list.split(',').map(str::trim).filter(|part| !part.is_empty())
+}
+
+/// The sampling interval for a rate, s.
+fn step(rate: &str) -> Result<f64, Refusal> {
+    let wrong = |why: String| {
+        Refusal::usage(&format!(
+            "`rate = {rate}`: {why}\ngive samples per second, as in 100 Hz, or the time between them"
+        ))
+    };
+    let quantity =
+        parse(rate, &[Dimension::Frequency, Dimension::Time]).map_err(|error| wrong(error.to_string()))?;
+    match quantity.dimension {
+        _ if quantity.value <= 0.0 => Err(wrong("it is not positive".to_owned())),
+        Dimension::Time => Ok(quantity.value),
+        _ => Ok(1.0 / quantity.value),
+    }
+}
+
+fn fitting() -> Option<Fitting> {
+    Some(Fitting { terms: Terms::of_model(Trend::None), from_s: None, to_s: None, is_forced: false })
+}
+
+impl OneLog {
+    /// What is recognised of the file.
+    pub(crate) fn columns(&self, files: &[&[u8]]) -> Result<Reply, Refusal> {
+        let log = self.options.read(&self.name, files.first())?;
+        let column = |channel: &sagnac::record::log::Channel| -> Value {
+            json!({ "name": channel.name, "unit": channel.unit.text })
+        };
+        Ok(Reply::new(json!({
+            "samples": log.samples(),
+            "step_s": log.step_s,
+            "rate": format!("{} Hz", significant(1.0 / log.step_s, 6)),
+            "data": log.data.name(),
+            "columns": log.channels.iter().map(column).collect::<Vec<_>>(),
+            "notes": log.notes.iter().map(|note| in_page(note)).collect::<Vec<_>>(),
+        })))
+    }
+
+    fn analyzed(
+        &self,
+        files: &[&[u8]],
+        navigators: Option<NavigatorRequest>,
+        progress: &dyn Progress,
+    ) -> Result<Outcome, Refusal> {
+        let mut log = self.options.read(&self.name, files.first())?;
+        let simulated = if self.simulated { None } else { Some(0) };
+        let request = AllanRequest {
+            treatment: Treatment::AS_RECORDED,
+            noise: NoiseRequest { fitting: fitting(), simulated, ..NoiseRequest::default() },
+            segments: Some(Segments { length_s: None, trend: Trend::None, is_required: false }),
+            effects: Effects::parse("auto").map_err(|why| Refusal::usage(&why))?,
+            is_compensated: false,
+            window_s: None,
+            navigators,
+            limits: vec![],
+        };
+        Ok(use_cases::allan(&mut log, Path::new(&self.name), &request, &mut vec![], progress)?)
+    }
+
+    pub(crate) fn allan(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
+        Reply::of_outcome(&self.analyzed(files, None, progress)?)
+    }
+
+    /// The distance from their place within which 95 % of navigators with such gyros are after an hour.
+    pub(crate) fn navigate(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
+        let request = NavigatorRequest { duration_s: 3600.0, limit: None };
+        Reply::of_outcome(&self.analyzed(files, Some(request), progress)?)
+    }
+
+    /// Models that bound the noise of further records, with files for all tools.
+    pub(crate) fn model(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
+        let log = self.options.read(&self.name, files.first())?;
+        let request = ModelRequest {
+            from_s: None,
+            to_s: None,
+            aim: Aim::Bound,
+            margin: 0.2,
+            states: None,
+            quantization: Quantization::Measurement,
+            filter_hz: None,
+            confidence: 0.95,
+            treatment: Treatment::AS_RECORDED,
+            fitting: fitting(),
+            writers: WRITERS.to_vec(),
+        };
+        let source = ModelSource::Log(&log, Path::new(&self.name));
+        Reply::of_outcome(&use_cases::model_noise(source, &request, progress)?)
+    }
+
+    /// A study that simulates records with the noise of the log.
+    pub(crate) fn study(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
+        let log = self.options.read(&self.name, files.first())?;
+        let outcome = self.analyzed(files, None, progress)?;
+        let is_noise = |(name, _): &&(String, Vec<u8>)| name.starts_with("noise") && name.ends_with(".toml");
+        let (_, noise) = outcome.files.iter().find(is_noise).ok_or_else(|| {
+            Refusal::usage(
+                "no coefficients describe the log\nonly a fit that describes its curve can be simulated",
+            )
+        })?;
+        let noise = String::from_utf8_lossy(noise).replace("\n[", "\n[noise.");
+        let title = format!("Records like {}", self.name).replace(['"', '\\'], "'");
+        let [step, length] = [log.step_s, log.step_s * log.samples() as f64]
+            .map(|seconds| format!("{} s", significant(seconds, 9)));
+        let text = format!(
+            "title = \"{title}\"\nquestion = \"How well does such a record show the coefficients?\"\nkind = \"allan\"\ntrials = 200\n\n\
+             [record]\nsample = \"{step}\"\nlength = \"{length}\"\n\n[allan]\nfit = \"auto\"\n\n[noise]\n{noise}"
+        );
+        Ok(Reply::new(json!({ "text": text })))
+    }
+}
+
+impl TwoLogs {
+    pub(crate) fn compare(&self, files: &[&[u8]]) -> Result<Reply, Refusal> {
+        let [a, b] = &self.names;
+        let logs = [self.options.read(a, files.first())?, self.options.read(b, files.get(1))?];
+        let request =
+            CompareRequest { treatment: Treatment::AS_RECORDED, fitting: fitting(), limits: vec![] };
+        let sides = [(Path::new(a), &logs[0]), (Path::new(b), &logs[1])];
+        Reply::of_outcome(&use_cases::compare_logs(sides, &request)?)
+    }
+}
