@@ -6,6 +6,7 @@
 //!                                   └─ convert, verify, about ─────────┘
 //! ```
 
+mod gpu;
 mod log;
 mod message;
 mod study;
@@ -30,6 +31,8 @@ enum Request {
     About,
     Inspect(study::Inspect),
     Share(study::Sample),
+    GpuDispatches(study::Sample),
+    GpuShare(study::Sample),
     Outcome(study::Finish),
     Read(log::OneLog),
     Allan(log::OneLog),
@@ -55,6 +58,8 @@ fn answer(Message { json, files }: Message, progress: &Watch) -> Result<Reply, R
         }
         Request::Inspect(asked) => asked.answer(),
         Request::Share(asked) => asked.answer(progress),
+        Request::GpuDispatches(asked) => asked.dispatches(progress),
+        Request::GpuShare(asked) => asked.with_answers(&files, progress),
         Request::Outcome(asked) => asked.answer(&files, progress),
         Request::Read(asked) => asked.columns(&files),
         Request::Allan(asked) => asked.allan(&files, progress),

@@ -18,6 +18,7 @@ use sagnac_kernel::width::Width;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::gpu;
 use crate::message::{Refusal, Reply};
 
 /// A study as a page has it.
@@ -85,11 +86,27 @@ impl Inspect {
 }
 
 impl Sample {
+    fn share(&self) -> Result<Share, Refusal> {
+        let missing = || Refusal::usage(&format!("there is no share {} of {}", self.number, self.of));
+        Share::new(self.number, self.of).ok_or_else(missing)
+    }
+
+    /// What the GPU of the browser has to do.
+    pub(crate) fn dispatches(&self, progress: &dyn Progress) -> Result<Reply, Refusal> {
+        let study = self.source.read()?;
+        gpu::dispatches(&Plan::new(&study)?, self.share()?, progress)
+    }
+
+    /// The share, from what the GPU of the browser did.
+    pub(crate) fn with_answers(&self, answers: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
+        let study = self.source.read()?;
+        gpu::share(&Plan::new(&study)?, self.share()?, answers, progress)
+    }
+
     pub(crate) fn answer(&self, progress: &dyn Progress) -> Result<Reply, Refusal> {
         let study = self.source.read()?;
         let plan = Plan::new(&study)?;
-        let share = Share::new(self.number, self.of)
-            .ok_or_else(|| Refusal::usage(&format!("there is no share {} of {}", self.number, self.of)))?;
+        let share = self.share()?;
         let mut store = Store::in_memory(&plan.identity());
         let mut trials = 0;
         if plan.is_sampled() {

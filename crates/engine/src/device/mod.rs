@@ -3,7 +3,9 @@
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
 pub mod group;
+pub mod remote;
 pub mod select;
+pub(crate) mod tile;
 
 use core::ops::Range;
 use std::sync::Arc;
@@ -40,6 +42,8 @@ pub enum Device {
     Cpu(crate::device::Cpu),
     /// A GPU, which runs kernels as shaders.
     Gpu(Box<crate::device::gpu::Gpu>),
+    /// A device elsewhere, which takes shaders and words.
+    Remote(remote::Remote),
     /// Several of them, which share the work by their measured speed.
     Group(Group),
 }
@@ -63,6 +67,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => cpu.name(),
             Device::Gpu(gpu) => gpu.name().to_owned(),
+            Device::Remote(remote) => remote.name(),
             Device::Group(group) => group.devices().map(Device::name).collect::<Vec<_>>().join(" and "),
         }
     }
@@ -76,6 +81,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
             Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
+            Device::Remote(remote) => remote.tally(jobs, histogram, progress),
             Device::Group(group) => {
                 group.tally(jobs, progress, &|device, jobs, progress| device.tally(jobs, histogram, progress))
             }
@@ -98,6 +104,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok(cpu.sums(recipe, first, count, progress)),
             Device::Gpu(gpu) => gpu.sums(recipe, first, count, progress),
+            Device::Remote(remote) => remote.sums(recipe, first, count, progress),
             Device::Group(group) => {
                 let records = first..first + count as u64;
                 group.sums(
@@ -116,7 +123,7 @@ impl Device {
     /// Threads of the processor where it has to replace the device; 0 means all logical cores.
     pub(crate) fn threads(&self) -> usize {
         match self {
-            Device::Cpu(_) => 0,
+            Device::Cpu(_) | Device::Remote(_) => 0,
             Device::Gpu(gpu) => gpu.threads,
             Device::Group(group) => group.devices().map(Device::threads).max().unwrap_or(0),
         }
@@ -127,6 +134,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => cpu.records_at_once(),
             Device::Gpu(gpu) => gpu.records_at_once(),
+            Device::Remote(_) => remote::RECORDS,
             Device::Group(group) => group.devices().map(Device::records_at_once).sum(),
         }
     }
@@ -136,6 +144,7 @@ impl Device {
         match self {
             Device::Cpu(_) => 1 << 20,
             Device::Gpu(gpu) => gpu.first_batch(),
+            Device::Remote(_) => remote::STEPS,
             Device::Group(group) => group.devices().map(Device::first_batch).sum(),
         }
     }
@@ -148,6 +157,8 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
             Device::Gpu(gpu) => gpu.map(map, items),
+            // Building blocks are verified on devices of the program alone.
+            Device::Remote(_) => Ok((map.cpu)(Width::widest(), items)),
             Device::Group(group) => group.first().map(map, items),
         }
     }

@@ -81,7 +81,7 @@ fn every_shader_of_every_kernel_is_valid_and_laid_out_as_in_rust() {
             assert!(normals.is_none_or(|size| size == size_of::<sagnac_kernel::word::PairTable>()));
             #[cfg(feature = "gpu")]
             if let Some(size) = size(&module, named("jobs")) {
-                assert_eq!(size, size_of::<crate::device::gpu::tile::TileJob>(), "one element of the array");
+                assert_eq!(size, 4 * crate::device::tile::JOB_WORDS, "one element of the array");
             }
             let shared = size(&module, named("shared_words")).unwrap_or(0);
             // The limit that every device guarantees.

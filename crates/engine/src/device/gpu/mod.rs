@@ -13,8 +13,8 @@ pub use crate::device::gpu::adapter::Adapter;
 #[doc(hidden)]
 pub use crate::device::gpu::adapter::{Fault, Faults, Moment};
 use crate::device::gpu::adapter::{Heard, within_limit};
-use crate::device::gpu::tile::{Part, Tiler};
 use crate::device::select::SelfTest;
+use crate::device::tile::{Part, Tiler};
 use crate::device::{Advance, GpuError, Job, Tallies};
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::launch::{Launch, MAX_STEPS, Sampled};

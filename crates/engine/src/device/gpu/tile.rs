@@ -1,132 +1,16 @@
 //! Tiles, the units of work of the device, in reused buffers: of trials, and of records.
 
-use std::ops::Range;
-use std::sync::Arc;
 use std::time::Instant;
 
 use wgpu::BufferUsages;
 
 use crate::device::gpu::adapter::Submission;
 use crate::device::gpu::{Gpu, Pipeline, TILE_SECONDS};
-use crate::device::{Advance, GpuError, Job};
+use crate::device::tile::{Part, Place, add_results, grid, sums_of_records};
+use crate::device::{Advance, GpuError};
 use sagnac_kernel::curve::{RING_LANES, Recorded};
-use sagnac_kernel::launch::{Launch, MAX_STEPS};
-use sagnac_kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
+use sagnac_kernel::moments::Moments;
 use sagnac_kernel::record::SUM_WORDS;
-
-/// Work of one workgroup, in the layout that the shader reads.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct TileJob {
-    low: u32,
-    high: u32,
-    count: u32,
-    point: u32,
-    slot: u32,
-}
-
-/// Ranges of trials of launches with the same shape, which form one dispatch.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Part<'a> {
-    /// The launches, which the shader calls points.
-    launches: Vec<&'a Launch>,
-    /// Their tables, each once.
-    tables: Vec<&'a Arc<[u32]>>,
-    /// Their ranges, in the order of the results.
-    pieces: Vec<Piece>,
-}
-
-/// Most words of tables that points bring to a dispatch of others.
-const MAX_TABLE_WORDS: usize = 1 << 22;
-
-/// A range of trials; its tallies are added to place `to` of the results.
-#[derive(Debug, Clone)]
-struct Piece {
-    /// Index of its launch in the part.
-    point: usize,
-    trials: Range<u64>,
-    to: usize,
-}
-
-impl<'a> Part<'a> {
-    /// Whether trials of `launch` may join this part.
-    pub(crate) fn takes(&self, launch: &Launch) -> bool {
-        let words: usize = self.tables.iter().map(|table| table.len()).sum();
-        let has_room =
-            self.start_of(launch.table()).is_some() || words + launch.table().len() <= MAX_TABLE_WORDS;
-        self.launches.first().is_some_and(|own| **own.sampled() == **launch.sampled()) && has_room
-    }
-
-    /// Adds trials of a launch that [`takes`](Part::takes) accepts, or the first ones.
-    pub(crate) fn push(&mut self, launch: &'a Launch, trials: Range<u64>, to: usize) {
-        let point = self.launches.iter().rposition(|&own| std::ptr::eq(own, launch)).unwrap_or_else(|| {
-            self.launches.push(launch);
-            if self.start_of(launch.table()).is_none() {
-                self.tables.push(launch.table());
-            }
-            self.launches.len() - 1
-        });
-        self.pieces.push(Piece { point, trials, to });
-    }
-
-    /// Word of all tables at which this one starts, if it is one of them.
-    fn start_of(&self, table: &Arc<[u32]>) -> Option<usize> {
-        let at = self.tables.iter().position(|own| Arc::ptr_eq(own, table))?;
-        Some(self.tables[..at].iter().map(|table| table.len()).sum())
-    }
-
-    /// Trials of all pieces.
-    pub(crate) fn trials(&self) -> u64 {
-        self.pieces.iter().map(Piece::count).sum()
-    }
-
-    /// Steps of all pieces.
-    pub(crate) fn steps(&self) -> u64 {
-        self.pieces.iter().map(|piece| piece.count() * self.launches[piece.point].steps()).sum()
-    }
-
-    /// Number of trials of a workgroup: as many as give the device `groups` workgroups.
-    fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
-        let longest = self.launches.iter().map(|launch| launch.steps()).max().unwrap_or(1);
-        let rounds = self.trials() / (groups * u64::from(workgroup));
-        rounds.clamp(1, (MAX_STEPS / longest).max(1)) * u64::from(workgroup)
-    }
-
-    /// The work of each workgroup, in the order of the partial sums.
-    pub(crate) fn jobs(&self, trials_of_group: u64) -> Vec<TileJob> {
-        let mut jobs = Vec::new();
-        for (slot, piece) in self.pieces.iter().enumerate() {
-            for first in piece.trials.clone().step_by(trials_of_group as usize) {
-                let count = trials_of_group.min(piece.trials.end - first) as u32;
-                let (low, high) = (first as u32, (first >> 32) as u32);
-                jobs.push(TileJob { low, high, count, point: piece.point as u32, slot: slot as u32 });
-            }
-        }
-        jobs
-    }
-
-    /// The parameters of its launches.
-    pub(crate) fn parameters(&self) -> Vec<u32> {
-        let of = |launch: &&Launch| launch.parameters(self.start_of(launch.table()).unwrap_or(0) as u32);
-        self.launches.iter().flat_map(of).collect()
-    }
-}
-
-/// Columns and rows of a dispatch of some workgroups.
-fn grid(groups: u32) -> [u32; 2] {
-    [groups.min(GROUPS_PER_ROW), groups.div_ceil(GROUPS_PER_ROW)]
-}
-
-impl Piece {
-    fn count(&self) -> u64 {
-        self.trials.end - self.trials.start
-    }
-
-    /// Number of workgroups that share its trials, with `of_group` trials each.
-    fn groups(&self, of_group: u64) -> u64 {
-        self.count().div_ceil(of_group)
-    }
-}
 
 /// A submitted tile whose results have not been read.
 pub(crate) struct InFlight<'a> {
@@ -135,29 +19,6 @@ pub(crate) struct InFlight<'a> {
     /// The other buffers, which the device uses until it has completed the tile.
     used: Vec<wgpu::Buffer>,
     submission: Submission,
-}
-
-/// Alignment of each part's partial sums and histograms in the buffer, in bytes.
-const ALIGNMENT: u64 = 256;
-
-/// Division of a part among workgroups, with the offsets of its results in the buffer of a tile, in bytes.
-struct Place {
-    trials_of_group: u64,
-    groups: u32,
-    partials: u64,
-    histograms: u64,
-    end: u64,
-}
-
-impl Place {
-    fn new(part: &Part, from: u64, histogram: bool, trials_of_group: u64) -> Place {
-        let estimates = part.launches[0].sampled().estimates() as u64;
-        let groups = part.pieces.iter().map(|piece| piece.groups(trials_of_group)).sum::<u64>();
-        let histogram_bytes = if histogram { 4 * estimates * (BINS * part.pieces.len()) as u64 } else { 0 };
-        let histograms = (from + 4 * estimates * PARTIAL_WORDS as u64 * groups).next_multiple_of(ALIGNMENT);
-        let end = (histograms + histogram_bytes).next_multiple_of(ALIGNMENT);
-        Place { trials_of_group, groups: groups as u32, partials: from, histograms, end }
-    }
 }
 
 impl Gpu {
@@ -206,7 +67,7 @@ impl Gpu {
         let parameters = self.borrow("parameters", 4 * words.len() as u64, usage)?;
         self.queue.write_buffer(&parameters, 0, bytemuck::cast_slice(&words));
         let all = part.jobs(place.trials_of_group);
-        let job_bytes = size_of_val(&*all) as u64;
+        let job_bytes = 4 * all.len() as u64;
         let jobs = self.borrow("jobs", job_bytes, usage)?;
         self.queue.write_buffer(&jobs, 0, bytemuck::cast_slice(&all));
         let launch = part.launches[0];
@@ -249,80 +110,6 @@ impl Gpu {
         tile.results.unmap();
         tile.used.into_iter().chain([tile.results]).for_each(|buffer| self.give_back(buffer));
         Ok(())
-    }
-}
-
-fn add_results(part: &Part, place: &Place, words: &[u32], results: &mut [Vec<Moments>]) {
-    let estimates = part.launches[0].sampled().estimates();
-    let mut partials = words[place.partials as usize / 4..].chunks_exact(estimates * PARTIAL_WORDS);
-    let mut histograms = words[place.histograms as usize / 4..].chunks_exact(BINS);
-    for piece in &part.pieces {
-        let tallies = &mut results[piece.to];
-        for group in partials.by_ref().take(piece.groups(place.trials_of_group) as usize) {
-            for (tally, sums) in tallies.iter_mut().zip(group.chunks_exact(PARTIAL_WORDS)) {
-                add_partial(tally, sums);
-            }
-        }
-        for tally in tallies.iter_mut() {
-            tally.count += piece.count();
-            // Without a histogram a tally has no bins.
-            if !tally.bins.is_empty() {
-                for (bin, &count) in tally.bins.iter_mut().zip(histograms.next().into_iter().flatten()) {
-                    *bin += u64::from(count);
-                }
-            }
-        }
-    }
-}
-
-fn add_partial(tally: &mut Moments, sums: &[u32]) {
-    let word96 = |at: usize| -> u128 { (0..3).map(|i| u128::from(sums[at + i]) << (32 * i)).sum() };
-    tally.sum += (word96(0) << 32) as i128 >> 32;
-    tally.square += word96(3);
-    tally.least = tally.least.min(sums[6] as i32);
-    tally.greatest = tally.greatest.max(sums[7] as i32);
-}
-
-/// Most pieces of a tile, which bounds the buffer of its histograms.
-const MAX_PIECES: usize = 1024;
-
-/// The remaining trials of some jobs, handed out tile by tile.
-pub(crate) struct Tiler<'a> {
-    jobs: &'a [Job<'a>],
-    job: usize,
-    done: u64,
-}
-
-impl<'a> Tiler<'a> {
-    pub(crate) fn new(jobs: &'a [Job<'a>]) -> Tiler<'a> {
-        Tiler { jobs, job: 0, done: 0 }
-    }
-
-    /// The next parts, of `steps` steps together or as many as are left, but at least one trial.
-    pub(crate) fn take(&mut self, steps: u64) -> Vec<Part<'a>> {
-        let mut parts: Vec<Part<'a>> = Vec::new();
-        let (mut room, mut pieces) = (steps, 0);
-        while room > 0 && pieces < MAX_PIECES && self.job < self.jobs.len() {
-            let Job { launch, block } = self.jobs[self.job];
-            let first = block.first + self.done;
-            // The trial numbers of a piece share one upper half, so it ends where the lower half wraps; a bin holds no
-            // more than half a word's worth of them.
-            let to_half = ((1 << 32) - (first & u64::from(u32::MAX))).min(1 << 31);
-            let steps = launch.steps();
-            let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);
-            let at = parts.iter().rposition(|part| part.takes(launch)).unwrap_or_else(|| {
-                parts.push(Part::default());
-                parts.len() - 1
-            });
-            parts[at].push(launch, first..first + count, self.job);
-            pieces += 1;
-            room = room.saturating_sub(count * steps);
-            self.done += count;
-            if self.done == block.trials() {
-                (self.job, self.done) = (self.job + 1, 0);
-            }
-        }
-        parts
     }
 }
 
@@ -456,14 +243,7 @@ impl Gpu {
         }
         let bytes = self.mapped(&read)?;
         let words: &[u32] = bytemuck::cast_slice(&bytes);
-        let sum = |lane: usize, place: usize| -> u128 {
-            (0..SUM_WORDS)
-                .map(|word| u128::from(words[(SUM_WORDS * place + word) * lanes + lane]) << (32 * word))
-                .sum()
-        };
-        let places = recipe.values();
-        let mut all: Vec<u128> =
-            (0..lanes).flat_map(|lane| (0..places).map(move |place| sum(lane, place))).collect();
+        let mut all = sums_of_records(words, lanes, recipe.values());
         if wrong {
             all[0] ^= 1;
         }

@@ -1,0 +1,142 @@
+//! A share of a study on the GPU of a browser. A page cannot wait for its GPU, so the share is run twice: the first time its
+//! dispatches are noted, the second time their answers are there.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use sagnac::device::Device;
+use sagnac::run::Plan;
+use sagnac::store::{Provenance, Store};
+use sagnac::tally::Share;
+use sagnac_base::progress::Progress;
+use sagnac_engine::device::remote::{Dispatch, Remote, Runner};
+use sagnac_engine::run::{Budget, Worker};
+use sagnac_kernel::normal_table::NORMAL_TABLE;
+use serde_json::{Value, json};
+
+use crate::message::{Refusal, Reply};
+
+/// Work of a batch, in trials' steps and in records.
+const BATCH: Budget = Budget { steps: 1 << 26, records: 1024 };
+
+/// Notes dispatches, of which nothing is known yet.
+#[derive(Clone, Default)]
+struct Recorder(Arc<Mutex<Vec<Dispatch>>>);
+
+impl Runner for Recorder {
+    fn name(&self) -> String {
+        "WebGPU".to_owned()
+    }
+
+    fn run(&mut self, dispatch: Dispatch) -> Result<Option<Vec<u32>>, String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(dispatch);
+        Ok(None)
+    }
+}
+
+/// Gives the answers of the GPU in their order.
+struct Player(VecDeque<Vec<u32>>);
+
+impl Runner for Player {
+    fn name(&self) -> String {
+        "WebGPU".to_owned()
+    }
+
+    fn run(&mut self, _dispatch: Dispatch) -> Result<Option<Vec<u32>>, String> {
+        self.0.pop_front().map(Some).ok_or_else(|| "there is no answer to it".to_owned())
+    }
+}
+
+/// Runs a share in batches that do not depend on time, and stores the results if they are known.
+fn run(
+    plan: &Plan,
+    share: Share,
+    runner: Box<dyn Runner>,
+    is_known: bool,
+    progress: &dyn Progress,
+) -> Result<(Store, u64, Vec<String>), Refusal> {
+    if plan.study().precision.is_some() {
+        return Err(Refusal::usage("a study that stops at a precision does not run on a GPU of a browser"));
+    }
+    let mut store = Store::in_memory(&plan.identity());
+    let mut device = Device::Remote(Remote::new(runner));
+    let mut worker = Worker::new(&mut device, progress);
+    let mut steps = plan.steps(&store, share)?;
+    let mut trials = 0;
+    let refused = |why: &dyn std::fmt::Display| Refusal::other(&why.to_string());
+    while let Some(batch) = steps.next(BATCH).map_err(|why| refused(&why))? {
+        let results = batch.make(&mut worker, &|_| ()).map_err(|why| refused(&why))?;
+        trials += batch.trials();
+        if is_known {
+            let made = Provenance { device: "WebGPU".to_owned(), trials, seconds: 0.0 };
+            batch.put(results, &mut store, &made)?;
+        }
+    }
+    drop(steps);
+    if is_known {
+        plan.keep(&mut store, share)?;
+    }
+    Ok((store, trials, worker.into_notes()))
+}
+
+/// The dispatches of a share, as the page takes them: texts of shaders, each once, and words as files.
+pub(crate) fn dispatches(plan: &Plan, share: Share, progress: &dyn Progress) -> Result<Reply, Refusal> {
+    let recorder = Recorder::default();
+    run(plan, share, Box::new(recorder.clone()), false, progress)?;
+    let noted = std::mem::take(&mut *recorder.0.lock().unwrap_or_else(PoisonError::into_inner));
+    let mut shaders: Vec<String> = vec![];
+    let mut files: Vec<Vec<u8>> = vec![bytes(NORMAL_TABLE.as_flattened())];
+    let mut file = |words: &[u32]| -> usize {
+        files.push(bytes(words));
+        files.len() - 1
+    };
+    let all: Vec<Value> = noted
+        .iter()
+        .map(|dispatch| {
+            let shader = shaders.iter().position(|text| *text == dispatch.shader).unwrap_or_else(|| {
+                shaders.push(dispatch.shader.clone());
+                shaders.len() - 1
+            });
+            let inputs: Vec<Value> =
+                dispatch.inputs.iter().map(|(binding, words)| json!([binding, file(words)])).collect();
+            let passes: Vec<Value> = dispatch
+                .passes
+                .iter()
+                .map(|pass| {
+                    let uniform = (!pass.uniform.is_empty()).then(|| file(&pass.uniform));
+                    json!({ "uniform": uniform, "grid": pass.grid })
+                })
+                .collect();
+            json!({
+                "shader": shader,
+                "hasNormals": dispatch.has_normals,
+                "inputs": inputs,
+                "scratch": dispatch.scratch,
+                "outputs": dispatch.outputs,
+                "passes": passes,
+            })
+        })
+        .collect();
+    let reply = Reply::new(json!({ "shaders": shaders, "dispatches": all }));
+    Ok(files.into_iter().fold(reply, Reply::with_file))
+}
+
+/// The rows of a share from the answers to its dispatches.
+pub(crate) fn share(
+    plan: &Plan,
+    share: Share,
+    answers: &[&[u8]],
+    progress: &dyn Progress,
+) -> Result<Reply, Refusal> {
+    let words = |answer: &&[u8]| {
+        answer.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
+    };
+    let player = Player(answers.iter().map(words).collect());
+    let (store, trials, notes) = run(plan, share, Box::new(player), true, progress)?;
+    let reply = Reply::new(json!({ "sampled": trials, "is_sampled": true, "notes": notes }));
+    Ok(reply.with_file(store.to_bytes()?))
+}
+
+fn bytes(words: &[u32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
