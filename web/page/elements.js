@@ -1,0 +1,105 @@
+// Elements of the page, and what is saved and copied from it.
+
+export const byId = (id) => document.getElementById(id);
+
+/** An HTML element with attributes, or handlers where these are functions. */
+export function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === "function") made.addEventListener(name, value);
+    else if (value !== null && value !== undefined && value !== false) made.setAttribute(name, value === true ? "" : value);
+  }
+  made.append(...children.filter((child) => child !== null && child !== undefined));
+  return made;
+}
+
+export function button(label, title, act, attributes = {}) {
+  return element("button", { type: "button", title, click: act, ...attributes }, label);
+}
+
+/** A whole number in groups of three digits, as reports write it. */
+export const grouped = (number) => Math.round(number).toString().replace(/\B(?=(\d{3})+$)/g, "\u202f");
+
+/** A time of computing, with two or three digits. */
+export const seconds = (milliseconds) => `${(milliseconds / 1000).toFixed(milliseconds < 9950 ? 2 : 1)} s`;
+
+/** Tells screen readers what happened. */
+export function announce(text) {
+  byId("said").textContent = text;
+}
+
+/** Shows the message of a failure as the terminal prints it, or hides it. */
+export function showError(host, failure) {
+  host.hidden = !failure;
+  host.replaceChildren(...(failure ? [element("pre", { tabindex: "0", "aria-label": "Message" }, failure.message)] : []));
+}
+
+/** A table of texts; cells that are numbers or elements are taken as they are. */
+export function table(caption, columns, rows) {
+  const heads = columns.map(({ label, isText }) => element("th", { scope: "col", class: isText ? "text" : null }, label));
+  const lines = rows.map((row) => element("tr", {}, ...row.map((cell, at) => element("td", { class: columns[at].isText ? "text" : null }, cell))));
+  return element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption },
+    element("table", {}, element("caption", { class: "unseen" }, caption), element("thead", {}, element("tr", {}, ...heads)), element("tbody", {}, ...lines)));
+}
+
+/** Offers bytes or a text as a file. */
+export function save(name, content) {
+  const link = element("a", { href: URL.createObjectURL(new Blob([content])), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/** Buttons that save files. */
+export function showFiles(host, files) {
+  host.replaceChildren(...files.map(({ name, bytes }) => button(name, `Save ${name}`, () => save(name, bytes))));
+}
+
+/** Copies a text, and says so on its button for a while. */
+export async function copy(text, from) {
+  const label = from.textContent;
+  try {
+    await navigator.clipboard.writeText(text);
+    from.textContent = "Copied";
+  } catch {
+    from.textContent = "The browser did not allow it";
+  }
+  announce(from.textContent);
+  setTimeout(() => {
+    from.textContent = label;
+  }, 1500);
+}
+
+/** A line of progress with a button that stops the work. */
+export class Progress {
+  constructor(host) {
+    this.host = host;
+    this.bar = element("progress", { max: "1", "aria-label": "Progress" });
+    this.label = element("span", {});
+    this.stop = button("Stop", "Stop this computation", () => this.controller?.abort());
+    host.replaceChildren(this.label, this.bar, this.stop);
+    host.hidden = true;
+  }
+
+  /** Begins work that the button, or a later beginning, stops. */
+  begin(text) {
+    this.controller?.abort();
+    this.controller = new AbortController();
+    this.text(text);
+    this.bar.removeAttribute("value");
+    this.host.hidden = false;
+    return this.controller.signal;
+  }
+
+  text(text) {
+    this.label.textContent = text;
+  }
+
+  set(done, all) {
+    if (all > 0) this.bar.value = done / all;
+  }
+
+  /** Ends the work of this signal, unless other work has begun since. */
+  end(signal) {
+    if (this.controller?.signal === signal) this.host.hidden = true;
+  }
+}

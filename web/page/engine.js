@@ -1,0 +1,131 @@
+// The engine: instances of the program in workers, which share nothing. A study is divided into shares, one for each worker.
+
+/** The least module that uses SIMD128; browsers without it call it invalid. */
+const SIMD_MODULE = Uint8Array.of(0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11);
+
+const MOST_WORKERS = 8;
+
+/** A message of the program: `kind` is "usage", "record", "study", "other", or "stopped" where the program did not end by itself. */
+export class Failure extends Error {
+  constructor({ text, kind, line, column }) {
+    super(text);
+    Object.assign(this, { kind, line, column });
+  }
+}
+
+async function compile() {
+  const url = WebAssembly.validate(SIMD_MODULE) ? "sagnac_simd.wasm" : "sagnac.wasm";
+  try {
+    return await WebAssembly.compileStreaming(fetch(url));
+  } catch {
+    // Some file servers do not name the type of the file.
+    const response = await fetch(url);
+    if (!response.ok) throw new Error(`${url} could not be loaded (${response.status})`);
+    return WebAssembly.compile(await response.arrayBuffer());
+  }
+}
+
+/** A worker that answers one request at a time. */
+class Instance {
+  constructor(module) {
+    this.worker = new Worker("worker.js");
+    this.worker.postMessage({ module });
+  }
+
+  run({ request, blobs, progress }) {
+    return new Promise((resolve) => {
+      this.worker.onmessage = ({ data }) => {
+        if (data.progress) progress?.(...data.progress);
+        else resolve(data);
+      };
+      this.worker.onerror = (event) => resolve({ reply: { error: { kind: "stopped", text: event.message ?? "The worker could not start" } } });
+      this.worker.postMessage({ request, blobs });
+    });
+  }
+}
+
+/** Workers on the processor. */
+class Engine {
+  /** Workers that take shares of a study; one more answers where there is only one of them. */
+  shares = Math.max(1, Math.min(navigator.hardwareConcurrency || 2, MOST_WORKERS));
+  #most = Math.max(2, this.shares);
+  #idle = [];
+  #queue = [];
+  #count = 0;
+  #module = compile();
+
+  /** Version of the program, and width of its vectors. */
+  about = this.ask({ call: "about" }).then(({ reply }) => reply);
+
+  /** Answers `{reply, blobs}`, or throws a `Failure`. A signal stops the work by ending its worker. */
+  ask(request, { blobs = [], progress, signal } = {}) {
+    return new Promise((resolve, reject) => {
+      if (signal?.aborted) return reject(signal.reason);
+      this.#queue.push({ request, blobs, progress, signal, resolve, reject });
+      this.#next();
+    });
+  }
+
+  /** Trials of a study, divided among the workers: the rows that `outcome` takes. */
+  async sample(study, { trials, progress, signal }) {
+    const parts = Array.from({ length: this.shares }, () => [0, 0]);
+    const sum = (which) => parts.reduce((total, part) => total + part[which], 0);
+    const answers = await Promise.all(parts.map((_, at) => this.ask({ call: "share", ...study, trials, number: at + 1, of: this.shares }, {
+      signal,
+      progress: (...part) => {
+        parts[at] = part;
+        progress?.(sum(0), sum(1));
+      },
+    })));
+    return answers.map(({ blobs }) => blobs[0]);
+  }
+
+  async #next() {
+    let module;
+    try {
+      module = await this.#module;
+    } catch (error) {
+      this.#queue.splice(0).forEach((task) => task.reject(new Failure({ kind: "stopped", text: `The program could not be loaded: ${error.message}` })));
+      return;
+    }
+    while (this.#queue.length > 0 && (this.#idle.length > 0 || this.#count < this.#most)) {
+      const task = this.#queue.shift();
+      if (task.signal?.aborted) {
+        task.reject(task.signal.reason);
+        continue;
+      }
+      if (this.#idle.length === 0) this.#count += 1;
+      this.#work(this.#idle.pop() ?? new Instance(module), task);
+    }
+  }
+
+  async #work(instance, task) {
+    const end = () => {
+      this.#remove(instance);
+      task.reject(task.signal.reason);
+    };
+    task.signal?.addEventListener("abort", end);
+    const { reply, blobs } = await instance.run(task);
+    task.signal?.removeEventListener("abort", end);
+    if (reply.error?.kind === "stopped") {
+      this.#remove(instance);
+    } else {
+      this.#idle.push(instance);
+      this.#next();
+    }
+    if (reply.error) task.reject(new Failure(reply.error));
+    else task.resolve({ reply, blobs });
+  }
+
+  /** An instance that was stopped, or stopped by itself, is replaced when work needs another. */
+  #remove(instance) {
+    instance.worker.terminate();
+    this.#count -= 1;
+    this.#next();
+  }
+}
+
+// A second engine, on WebGPU, would answer `sample` of its own once it has been verified against this one.
+export const engine = new Engine();
+
+export const isStopped = (error) => error.name === "AbortError";

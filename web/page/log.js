@@ -1,0 +1,246 @@
+// The view of a log: what was read, its noise, and what follows from the noise.
+
+import { Progress, announce, button, byId, copy, element, grouped, seconds, showError, showFiles } from "./elements.js";
+import { engine, isStopped } from "./engine.js";
+import { Report } from "./report.js";
+
+/** Larger files do not fit into the memory of the module with what is computed from them. */
+const MOST_BYTES = 400e6;
+
+const ANALYSES = [
+  { id: "allan", label: "Noise", doing: "Analyzing", command: "allan" },
+  { id: "model", label: "Filter model", doing: "Fitting a filter model", command: "model" },
+  { id: "navigate", label: "Position error", doing: "Simulating a navigator", command: "allan --navigate" },
+];
+
+export class LogView {
+  /** `openStudy(text, name)` shows a study that was made from a log. */
+  constructor(openStudy) {
+    this.openStudy = openStudy;
+    this.file = null;
+    this.other = null;
+    this.isComparing = false;
+    this.form = byId("log-form");
+    this.report = new Report(byId("log-report"));
+    this.progress = new Progress(byId("log-progress"));
+    this.#buttons();
+    this.form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.#read();
+    });
+    byId("choose").addEventListener("click", () => this.choose());
+    byId("example").addEventListener("click", () => this.example());
+    byId("file").addEventListener("change", ({ target }) => {
+      if (target.files[0]) this.open(target.files[0]);
+      // The same file may be chosen again.
+      target.value = "";
+    });
+  }
+
+  choose() {
+    byId("file").click();
+  }
+
+  async example() {
+    const response = await fetch("example/gyro_at_rest.csv");
+    this.open(new File([await response.blob()], "gyro_at_rest.csv"));
+  }
+
+  /** Opens a log, or the second of a comparison. */
+  open(file) {
+    if (file.size > MOST_BYTES) return this.#refuse(file);
+    if (this.isComparing) return this.#compare(file);
+    this.file = file;
+    this.other = null;
+    this.form.reset();
+    this.#name(file.name);
+    return this.#read();
+  }
+
+  /** Opens two logs that were dropped together, and compares them. */
+  async openBoth(first, second) {
+    await this.open(first);
+    if (this.file === first) await this.#compare(second);
+  }
+
+  #name(text) {
+    byId("log-work").hidden = false;
+    byId("log-name").textContent = text;
+    byId("log-name").scrollIntoView({ block: "nearest" });
+  }
+
+  #refuse(file) {
+    this.#name(file.name);
+    this.#clear();
+    this.file = null;
+    this.#comparing(false);
+    byId("log-actions").hidden = true;
+    showError(byId("log-error"), new Error(`${file.name} has ${Math.round(file.size / 1e6)} MB; this page reads up to ${MOST_BYTES / 1e6} MB.\nThe program reads it in a terminal:\n\n    sagnac allan ${quoted(file.name)}`));
+  }
+
+  #clear() {
+    byId("log-facts").hidden = true;
+    byId("log-notes").replaceChildren();
+    byId("log-ran").textContent = "";
+    byId("log-files").replaceChildren();
+    this.report.clear();
+    showError(byId("log-error"), null);
+  }
+
+  #options() {
+    return Object.fromEntries(new FormData(this.form));
+  }
+
+  async #bytes(file) {
+    return new Uint8Array(await file.arrayBuffer());
+  }
+
+  /** Reads the log, says what was read or what is missing, and analyzes its noise. */
+  async #read() {
+    if (!this.file) return;
+    const { file } = this;
+    this.#clear();
+    this.#comparing(false);
+    byId("log-actions").hidden = true;
+    const signal = this.progress.begin(`Reading ${file.name}`);
+    try {
+      const { reply } = await engine.ask({ call: "read", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], signal });
+      this.#facts(reply);
+      byId("log-options").open = false;
+      byId("log-actions").hidden = false;
+    } catch (error) {
+      this.#failed(error);
+      if (error.kind === "record" || error.kind === "usage") this.#askForOptions(error);
+      return;
+    } finally {
+      this.progress.end(signal);
+    }
+    await this.#analyze(ANALYSES[0]);
+  }
+
+  #failed(error) {
+    if (isStopped(error)) {
+      byId("log-ran").textContent = "Stopped.";
+      announce("Stopped");
+      return;
+    }
+    showError(byId("log-error"), error);
+  }
+
+  /** Opens the form at the option that the message names first. */
+  #askForOptions({ message }) {
+    byId("log-options").open = true;
+    const named = /--(unit|rate|data|column|temperature)\b/.exec(message)?.[1] ?? "unit";
+    this.form.elements[named].focus();
+  }
+
+  #facts({ samples, rate, seconds: duration, columns, notes }) {
+    const facts = byId("log-facts");
+    const shown = columns.map(({ name, unit, is_used: isUsed }) => `${name}${unit ? ` in ${unit}` : ""}${isUsed ? "" : " (not used)"}`);
+    facts.replaceChildren(...[["Samples", grouped(samples)], ["Rate", rate ? `${significant(rate)} Hz` : null], ["Length", length(duration)], ["Columns", shown.join(", ")]]
+      .filter(([, value]) => value).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
+    facts.hidden = false;
+    byId("log-notes").replaceChildren(...notes.map((note) => element("p", { class: "note" }, note)));
+  }
+
+  #buttons() {
+    byId("log-actions").replaceChildren(
+      ...ANALYSES.map((analysis) => button(analysis.label, `sagnac ${analysis.command}`, () => this.#analyze(analysis), { "aria-pressed": "false", "data-analysis": analysis.id })),
+      button("Compare with another log", "Choose or drop a second log", () => this.#startComparison(), { "aria-pressed": "false", "data-analysis": "compare" }),
+      button("Simulate this gyro", "Open a study with the noise of this log", () => this.#study()),
+      button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => this.#copyCommand(currentTarget)));
+  }
+
+  #pressed(id) {
+    this.shown = id;
+    byId("log-actions").querySelectorAll("[data-analysis]").forEach((each) => each.setAttribute("aria-pressed", String(each.dataset.analysis === id)));
+  }
+
+  #copyCommand(from) {
+    copy(this.#command(), from);
+  }
+
+  #command() {
+    const options = Object.entries(this.#options()).filter(([, value]) => value).map(([name, value]) => ` --${name} ${quoted(value)}`).join("");
+    const name = quoted(this.file.name);
+    if (this.shown === "compare") return `sagnac compare ${name} ${quoted(this.other.name)}${options}`;
+    return `sagnac ${ANALYSES.find(({ id }) => id === this.shown).command.replace(/^\w+/, `$& ${name}`)}${options}`;
+  }
+
+  /** Intervals in closed form first; those of simulated records take their place when they are ready. */
+  async #analyze({ id, doing }) {
+    this.#comparing(false);
+    this.#pressed(id);
+    const { file } = this;
+    const isShown = await this.#show(`${doing} ${file.name}`, { call: id, name: file.name, simulated: false }, [file], "");
+    if (id === "allan" && isShown && this.shown === id) {
+      await this.#show("Simulating records for the intervals", { call: id, name: file.name, simulated: true }, [file], "Intervals from simulated records. ");
+    }
+  }
+
+  /** Shows what a request answers; false if it failed or was stopped. */
+  async #show(text, request, files, remark) {
+    showError(byId("log-error"), null);
+    const signal = this.progress.begin(text);
+    try {
+      const blobs = await Promise.all(files.map((file) => this.#bytes(file)));
+      const begun = performance.now();
+      const { reply, blobs: made } = await engine.ask({ ...request, options: this.#options() }, { blobs, signal, progress: (...part) => this.progress.set(...part) });
+      const took = performance.now() - begun;
+      await this.report.show(made[0], files.map(({ name }) => name).join(" and "));
+      if (signal.aborted) return false;
+      byId("log-ran").textContent = `${remark}Computed in this browser in ${seconds(took)}.`;
+      byId("log-notes").replaceChildren(...(reply.notes ?? []).map((note) => element("p", { class: "note" }, note)));
+      const saved = reply.files.map(({ name }, at) => ({ name, bytes: made[at + 1] }));
+      showFiles(byId("log-files"), [{ name: "report.html", bytes: made[0] }, ...saved]);
+      announce(reply.headline);
+      return true;
+    } catch (error) {
+      // Where other work has replaced this, nobody waits for it.
+      if (!signal.aborted || this.progress.controller.signal === signal) this.#failed(error);
+      return false;
+    } finally {
+      this.progress.end(signal);
+    }
+  }
+
+  #startComparison() {
+    this.#comparing(!this.isComparing);
+    if (this.isComparing) this.choose();
+  }
+
+  #comparing(isComparing) {
+    this.isComparing = isComparing;
+    byId("drop").classList.toggle("second", isComparing);
+  }
+
+  async #compare(file) {
+    this.#comparing(false);
+    this.other = file;
+    this.#pressed("compare");
+    await this.#show(`Comparing ${this.file.name} with ${file.name}`, { call: "compare", names: [this.file.name, file.name] }, [this.file, file], "");
+  }
+
+  async #study() {
+    const { file } = this;
+    const signal = this.progress.begin("Writing a study with this noise");
+    try {
+      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], signal });
+      this.openStudy(reply.text, file.name.replace(/\.\w+$/, ""));
+    } catch (error) {
+      this.#failed(error);
+    } finally {
+      this.progress.end(signal);
+    }
+  }
+}
+
+const significant = (number) => Number(number.toPrecision(4)).toString();
+
+function length(duration) {
+  const [size, unit] = [[86400, "d"], [3600, "h"], [60, "min"]].find(([size]) => duration >= 2 * size) ?? [1, "s"];
+  return `${significant(duration / size)} ${unit}`;
+}
+
+/** A word of a shell. */
+const quoted = (text) => (/^[\w.,/-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);

@@ -1,0 +1,210 @@
+// The view of a study: its text with sliders beside it, and its answer as they change.
+
+import { Progress, announce, button, byId, copy, element, grouped, save, seconds, showError, showFiles } from "./elements.js";
+import { engine, isStopped } from "./engine.js";
+import { pack } from "./link.js";
+import { Report } from "./report.js";
+import { Sliders } from "./sliders.js";
+
+/** Trials of each point while a slider moves. Records are longer than other trials: fewer of them are simulated. */
+const LIVE_TRIALS = 4096;
+const LIVE_RECORDS = 64;
+const KINDS_OF_RECORDS = ["allan", "lock-in", "navigation"];
+
+/** Most trials of each point that are run without being asked for. */
+const RESTED_TRIALS = 262144;
+
+/** Times in ms without a change of the text after which it is read, and after which trials are refined. */
+const TYPING = 150;
+const REST = 400;
+
+export class StudyView {
+  constructor() {
+    this.name = "study";
+    this.text = byId("study-text");
+    this.sliders = new Sliders(byId("sliders"), (span, value) => this.#replace(span, value));
+    this.report = new Report(byId("study-report"));
+    this.progress = new Progress(byId("study-progress"));
+    this.text.addEventListener("input", () => this.#changed(TYPING));
+    this.#buttons();
+  }
+
+  open(text, name) {
+    this.name = name;
+    this.text.value = text;
+    this.study = null;
+    this.sliders.clear();
+    byId("sweeps").replaceChildren();
+    byId("study-files").replaceChildren();
+    byId("study-ran").textContent = "";
+    this.report.clear();
+    this.#changed(0);
+  }
+
+  /** Stops what runs, when another view is shown. */
+  leave() {
+    clearTimeout(this.timer);
+    clearTimeout(this.resting);
+    this.progress.controller?.abort();
+  }
+
+  /** Puts a value between the quotes of a quoted one, and gives the length of what stands there then. */
+  #replace([from, to], value) {
+    const quote = /^["']/.exec(this.text.value.slice(from, to))?.[0] ?? "";
+    const written = `${quote}${value}${quote}`;
+    this.text.setRangeText(written, from, to);
+    this.#changed(0);
+    return written.length;
+  }
+
+  #changed(delay) {
+    clearTimeout(this.timer);
+    clearTimeout(this.resting);
+    // Trials of a live run end soon by themselves; those of a long one would keep all workers from it.
+    if (!this.isLive) this.progress.controller?.abort();
+    this.timer = setTimeout(() => this.#live(), delay);
+  }
+
+  /** Reads the text and runs a few trials; while it does so, changes wait for their turn. */
+  async #live() {
+    if (this.isLive) {
+      this.isWaiting = true;
+      return;
+    }
+    this.isLive = true;
+    try {
+      do {
+        this.isWaiting = false;
+        await this.#once();
+      } while (this.isWaiting);
+    } finally {
+      this.isLive = false;
+    }
+    if (!this.study) return;
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => this.#refine(Math.min(this.study.trials, RESTED_TRIALS)), REST);
+  }
+
+  async #once() {
+    const text = this.text.value;
+    try {
+      const { reply } = await engine.ask({ call: "inspect", text, name: `${this.name}.toml` });
+      if (text !== this.text.value) {
+        this.isWaiting = true;
+        return;
+      }
+      this.#inspected(reply);
+      const few = KINDS_OF_RECORDS.includes(reply.kind) ? LIVE_RECORDS : LIVE_TRIALS;
+      await this.#run(Math.min(reply.trials, few));
+    } catch (error) {
+      this.study = null;
+      showError(byId("study-error"), error);
+    }
+  }
+
+  #inspected(study) {
+    this.study = study;
+    showError(byId("study-error"), null);
+    byId("title-study").textContent = study.title;
+    byId("study-question").textContent = study.question;
+    this.sliders.set(study.keys);
+    this.#sweeps(study.sweeps);
+    this.all.hidden = study.trials <= RESTED_TRIALS;
+    this.all.textContent = `Run all ${grouped(study.trials)} trials`;
+  }
+
+  #sweeps(sweeps) {
+    const host = byId("sweeps");
+    if (host.contains(document.activeElement)) return;
+    host.replaceChildren(...sweeps.map(({ key, text, span }) => {
+      const id = `sweep-${key}`;
+      const area = element("textarea", { id, rows: text.trim().split("\n").length, spellcheck: "false", autocomplete: "off", wrap: "off" });
+      area.value = text;
+      let [from, to] = span;
+      area.addEventListener("input", () => {
+        this.text.setRangeText(area.value, from, to);
+        to = from + area.value.length;
+        this.#changed(TYPING);
+      });
+      // Places have moved by what was typed here.
+      area.addEventListener("blur", () => this.#changed(0));
+      return element("div", { class: "sweep" }, element("label", { for: id }, `Sweep of ${key}`), area);
+    }));
+  }
+
+  /** More trials of the same study, and then the facts of its answer that need sampling of their own. */
+  async #refine(trials) {
+    const isDone = this.ran?.text === this.text.value && this.ran.trials === trials;
+    if (!isDone) await this.#run(trials);
+    if (this.ran?.text === this.text.value && !this.ran.isComplete) await this.#complete(this.ran);
+  }
+
+  async #run(trials) {
+    const study = { text: this.text.value, name: `${this.name}.toml` };
+    const signal = this.progress.begin(`Running ${grouped(trials)} trials`);
+    try {
+      const begun = performance.now();
+      const rows = await engine.sample(study, { trials, signal, progress: (...part) => this.progress.set(...part) });
+      const answer = await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows, signal });
+      this.ran = { ...study, trials, rows, took: performance.now() - begun, isComplete: false };
+      await this.#show(answer, this.ran);
+    } catch (error) {
+      this.#failed(error, signal);
+    } finally {
+      this.progress.end(signal);
+    }
+  }
+
+  async #complete(ran) {
+    const { text, name, trials, rows } = ran;
+    const signal = this.progress.begin("Completing the answer");
+    try {
+      const answer = await engine.ask({ call: "outcome", text, name, trials, complete: true }, { blobs: rows, signal, progress: (...part) => this.progress.set(...part) });
+      ran.isComplete = true;
+      await this.#show(answer, ran);
+    } catch (error) {
+      this.#failed(error, signal);
+    } finally {
+      this.progress.end(signal);
+    }
+  }
+
+  #failed(error, signal) {
+    if (!isStopped(error)) showError(byId("study-error"), error);
+    else if (this.progress.controller.signal === signal) announce("Stopped");
+  }
+
+  async #show({ reply, blobs }, { trials, took }) {
+    await this.report.show(blobs[0], this.study?.title ?? this.name);
+    showFiles(byId("study-files"), [{ name: "report.html", bytes: blobs[0] }, ...reply.files.map(({ name }, at) => ({ name, bytes: blobs[at + 1] }))]);
+    const { lanes } = await engine.about;
+    const workers = engine.shares === 1 ? "1 worker" : `${engine.shares} workers`;
+    byId("study-ran").replaceChildren(`${workers}, ${lanes} · ${grouped(trials)} trials per point · ${seconds(took)} · points.csv `,
+      element("code", { title: reply.digest }, reply.digest.slice(0, 12)), " · these are the bits of the program");
+    announce(reply.headline);
+  }
+
+  #buttons() {
+    this.all = button("Run all trials", "Run as many trials as the study says", () => {
+      clearTimeout(this.resting);
+      this.#refine(this.study.trials);
+    }, { hidden: true });
+    byId("study-actions").append(
+      this.all,
+      button("Copy link", "Copy a link that holds the whole study", ({ currentTarget }) => this.#link(currentTarget)),
+      button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => copy(this.#command(), currentTarget)),
+      button("study.toml", "Save study.toml", () => save(`${this.name}.toml`, this.text.value)));
+  }
+
+  async #link(from) {
+    const link = new URL(location);
+    link.hash = `s=${await pack(this.text.value)}`;
+    history.replaceState(null, "", link);
+    copy(link.href, from);
+  }
+
+  #command() {
+    const fewer = this.ran && this.study && this.ran.trials !== this.study.trials ? ` --trials ${this.ran.trials}` : "";
+    return `sagnac run ${this.name}.toml${fewer}`;
+  }
+}
