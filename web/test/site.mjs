@@ -1,0 +1,174 @@
+// node web/test/site.mjs FOLDER [NAME…]: tests of the built site in Chromium, all or those whose names contain one of NAME.
+
+import { resolve } from "node:path";
+import { deflateRawSync } from "node:zlib";
+import { Browser, serve } from "./browser.mjs";
+
+const STUDY = `title = "A gap in a vibration"
+question = "Which filler is best?"
+kind = "gap-fill"
+trials = 5000
+
+[gyro]
+tick = "5 ms"
+tick_noise = { three_sigma = "1.6 arcsec" }
+
+[motion]
+amplitude = "12000 arcsec/s"
+frequency = "20 Hz"
+
+[switching]
+gap_ticks = 3
+fillers = ["const", "quadratic"]
+
+[[sweep]]
+key = "switching.gap_ticks"
+list = [1, 2, 3]
+`;
+
+const VIEWS = ["log", "studies", "study", "convert", "verify"];
+const shown = (view) => `!document.getElementById("view-${view}").hidden`;
+const linkOf = (text) => `#s=${deflateRawSync(text).toString("base64url")}`;
+
+function check(condition, why) {
+  if (!condition) throw new Error(why);
+}
+
+/** Each test gets a page of its own at the address of the site. */
+const tests = {
+  async every_view_is_reached_by_keyboard(page) {
+    for (const [label, view] of [["Studies", "studies"], ["Convert units", "convert"], ["Verify", "verify"], ["Analyze a log", "log"]]) {
+      await tabTo(page, label);
+      await page.press("Enter");
+      await page.until(shown(view), `view ${view} after Enter on ${label}`);
+    }
+    await tabTo(page, "Studies");
+    await page.press("Enter");
+    await page.until(`document.querySelector("#gallery a")`, "the gallery");
+    await tabTo(page, await page.evaluate(`document.querySelector("#gallery h2").textContent`));
+    await page.press("Enter");
+    await page.until(shown("study"), "the view of a study");
+    await page.until(`document.querySelector("#sliders input")`, "sliders");
+    const name = await page.evaluate(`document.querySelector("#sliders label").textContent`);
+    const before = await page.evaluate(`document.getElementById("study-text").value`);
+    await tabTo(page, name);
+    await page.press("ArrowRight");
+    check(before !== (await page.evaluate(`document.getElementById("study-text").value`)), "an arrow key on a slider did not change the text");
+  },
+
+  async every_control_has_a_name(page, { origin }) {
+    for (const view of ["log", "studies", "convert", "verify"]) {
+      await page.evaluate((name) => { location.hash = name; }, view);
+      await page.until(shown(view), `view ${view}`);
+      await named(page, view);
+    }
+    await page.evaluate(`document.getElementById("example").click()`);
+    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example");
+    await page.evaluate(`document.getElementById("log-options").open = true`);
+    await named(page, "log with a report");
+    await page.go(`${origin}/${linkOf(STUDY)}`).catch(() => {});
+    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
+    await named(page, "study");
+  },
+
+  async nothing_scrolls_sideways_on_a_phone(page) {
+    await page.viewport(390, 844, true);
+    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
+    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
+    for (const view of VIEWS) {
+      await page.evaluate((name) => { location.hash = name; }, view);
+      await page.until(shown(view), `view ${view}`);
+      const width = await page.evaluate(`document.documentElement.scrollWidth`);
+      check(width <= 390, `view ${view} is ${width} px wide`);
+    }
+  },
+
+  async charts_of_reports_are_drawn_under_the_policy(page) {
+    await page.evaluate(`document.getElementById("example").click()`);
+    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")?.contentDocument.body.dataset.ready === "true"`, "the script of the report");
+    const policed = await page.evaluate(() => {
+      const frame = document.querySelector("#log-report iframe").contentWindow;
+      const script = frame.document.createElement("script");
+      script.textContent = "window.strange = true";
+      frame.document.body.append(script);
+      try {
+        frame.eval("1");
+        return "eval runs";
+      } catch {
+        return frame.strange ? "a strange script runs" : "";
+      }
+    });
+    check(policed === "", policed);
+  },
+
+  async no_request_leaves_the_site(page, { origin }) {
+    await page.evaluate(`document.getElementById("example").click()`);
+    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example");
+    for (const view of ["studies", "convert", "verify"]) {
+      await page.evaluate((name) => { location.hash = name; }, view);
+      await page.until(shown(view), `view ${view}`);
+    }
+    const strangers = page.strangers(origin);
+    check(strangers.length === 0, `requests to ${strangers.join(", ")}`);
+  },
+
+  async the_site_works_offline_after_the_first_visit(page, site) {
+    await page.until(`navigator.serviceWorker.ready.then((registration) => registration.active?.state === "activated" && Boolean(navigator.serviceWorker.controller))`, "the service worker");
+    await site.close();
+    await page.reload();
+    await page.evaluate(`document.getElementById("example").click()`);
+    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example without a server");
+    await page.evaluate(`location.hash = "studies"`);
+    await page.until(`document.querySelectorAll("#gallery article").length > 0`, "the gallery without a server");
+  },
+
+  async a_link_restores_its_study(page) {
+    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
+    await page.until(shown("study"), "the view of a study");
+    await page.until(`document.getElementById("study-text").value`, "the text of the study");
+    const text = await page.evaluate(`document.getElementById("study-text").value`);
+    check(text === STUDY, `the text became ${JSON.stringify(text.slice(0, 80))}…`);
+    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY).slice(0, 40));
+    await page.until(`!document.getElementById("trouble").hidden`, "a message on a link that was cut off");
+  },
+};
+
+/** Presses Tab until what has the focus is called so. */
+async function tabTo(page, name) {
+  for (let presses = 0; presses < 120; presses += 1) {
+    await page.press("Tab");
+    const focused = await page.evaluate(`(document.activeElement.labels?.[0] ?? document.activeElement).textContent.trim()`);
+    if (focused.startsWith(name)) return;
+  }
+  throw new Error(`120 presses of Tab did not reach ${name}`);
+}
+
+async function named(page, where) {
+  const nameless = (await page.controls()).filter(({ name }) => !name.trim());
+  check(nameless.length === 0, `${where}: no name for ${nameless.map(({ role }) => role).join(", ")}`);
+}
+
+async function run(browser, folder, name) {
+  const site = await serve(folder);
+  const page = await browser.open(site.origin);
+  try {
+    await tests[name](page, site);
+    check(page.faults.length === 0, `errors in the console: ${page.faults.join("; ")}`);
+    console.log(`ok ${name}`);
+    return true;
+  } catch (error) {
+    console.log(`FAIL ${name}: ${error.message}`);
+    return false;
+  } finally {
+    await page.close();
+    await site.close();
+  }
+}
+
+const [folder, ...wanted] = process.argv.slice(2);
+const names = Object.keys(tests).filter((name) => wanted.length === 0 || wanted.some((part) => name.includes(part)));
+const browser = await Browser.start();
+let failed = 0;
+for (const name of names) if (!(await run(browser, resolve(folder), name))) failed += 1;
+await browser.close();
+process.exitCode = failed > 0 ? 1 : 0;
