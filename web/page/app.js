@@ -46,13 +46,16 @@ async function route() {
   trouble("");
   if (view === "s") await openLink(value);
   else if (view === "study" && value) await openShipped(decodeURIComponent(value));
+  else if (view === "study" && !study.text.value) show("studies");
   else show(VIEWS.includes(view) ? view : "log");
 }
 
 async function openLink(packed) {
   show("study");
   try {
-    study.open(await unpack(packed), "study");
+    const text = await unpack(packed);
+    // Going back to a study that was edited keeps its name and its answer.
+    if (text !== study.text.value) study.open(text, "study");
   } catch {
     show("studies");
     trouble("This link does not hold a whole study: it was cut off or changed on its way. Ask for it again, or open one of these.");

@@ -69,37 +69,49 @@ export async function copy(text, from) {
   }, 1500);
 }
 
-/** A line of progress with a button that stops the work. */
+/** A line of progress with a button that stops the work. Its room stays, so that nothing jumps when work is short. */
 export class Progress {
   constructor(host) {
     this.host = host;
     this.bar = element("progress", { max: "1", "aria-label": "Progress" });
     this.label = element("span", {});
-    this.stop = button("Stop", "Stop this computation", () => this.controller?.abort());
+    this.stop = button("Stop", "Stop this computation", () => this.#stop());
     host.replaceChildren(this.label, this.bar, this.stop);
-    host.hidden = true;
+    this.#state("idle");
   }
 
-  /** Begins work that the button, or a later beginning, stops. */
+  /** One of "idle", "busy", "stopped". */
+  #state(state) {
+    this.host.dataset.state = state;
+  }
+
+  #stop() {
+    this.abort();
+    this.#state("stopped");
+    this.label.textContent = "Stopped.";
+    announce("Stopped");
+  }
+
+  /** Begins work that the button, or later work, stops by the signal returned. */
   begin(text) {
-    this.controller?.abort();
+    this.abort();
     this.controller = new AbortController();
-    this.text(text);
+    this.label.textContent = text;
     this.bar.removeAttribute("value");
-    this.host.hidden = false;
+    this.#state("busy");
     return this.controller.signal;
   }
 
-  text(text) {
-    this.label.textContent = text;
+  abort() {
+    this.controller?.abort();
   }
 
   set(done, all) {
     if (all > 0) this.bar.value = done / all;
   }
 
-  /** Ends the work of this signal, unless other work has begun since. */
+  /** Ends the work of this signal, unless it was stopped or other work has begun since. */
   end(signal) {
-    if (this.controller?.signal === signal) this.host.hidden = true;
+    if (this.controller.signal === signal && this.host.dataset.state === "busy") this.#state("idle");
   }
 }

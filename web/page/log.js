@@ -20,6 +20,7 @@ export class LogView {
     this.file = null;
     this.other = null;
     this.isComparing = false;
+    this.hint = byId("choose-hint").textContent;
     this.form = byId("log-form");
     this.report = new Report(byId("log-report"));
     this.progress = new Progress(byId("log-progress"));
@@ -65,6 +66,8 @@ export class LogView {
 
   #name(text) {
     byId("log-work").hidden = false;
+    byId("log-introduction").hidden = true;
+    byId("drop").classList.add("compact");
     byId("log-name").textContent = text;
     byId("log-name").scrollIntoView({ block: "nearest" });
   }
@@ -119,12 +122,7 @@ export class LogView {
   }
 
   #failed(error) {
-    if (isStopped(error)) {
-      byId("log-ran").textContent = "Stopped.";
-      announce("Stopped");
-      return;
-    }
-    showError(byId("log-error"), error);
+    if (!isStopped(error)) showError(byId("log-error"), error);
   }
 
   /** Opens the form at the option that the message names first. */
@@ -196,8 +194,7 @@ export class LogView {
       announce(reply.headline);
       return true;
     } catch (error) {
-      // Where other work has replaced this, nobody waits for it.
-      if (!signal.aborted || this.progress.controller.signal === signal) this.#failed(error);
+      this.#failed(error);
       return false;
     } finally {
       this.progress.end(signal);
@@ -212,6 +209,7 @@ export class LogView {
   #comparing(isComparing) {
     this.isComparing = isComparing;
     byId("drop").classList.toggle("second", isComparing);
+    byId("choose-hint").textContent = isComparing ? `or drop the log that is compared with ${this.file.name}.` : this.hint;
   }
 
   async #compare(file) {

@@ -18,6 +18,9 @@ const RESTED_TRIALS = 262144;
 const TYPING = 150;
 const REST = 400;
 
+/** Time in ms in which a live run should end. */
+const SOON = 400;
+
 export class StudyView {
   constructor() {
     this.name = "study";
@@ -25,12 +28,16 @@ export class StudyView {
     this.sliders = new Sliders(byId("sliders"), (span, value) => this.#replace(span, value));
     this.report = new Report(byId("study-report"));
     this.progress = new Progress(byId("study-progress"));
-    this.text.addEventListener("input", () => this.#changed(TYPING));
+    this.text.addEventListener("input", () => this.#edited(TYPING));
     this.#buttons();
+    // On phones the answer comes before the text.
+    byId("study-source").open = !matchMedia("(max-width: 860px)").matches;
   }
 
   open(text, name) {
     this.name = name;
+    this.isEdited = false;
+    this.ran = null;
     this.text.value = text;
     this.study = null;
     this.sliders.clear();
@@ -45,7 +52,7 @@ export class StudyView {
   leave() {
     clearTimeout(this.timer);
     clearTimeout(this.resting);
-    this.progress.controller?.abort();
+    this.progress.abort();
   }
 
   /** Puts a value between the quotes of a quoted one, and gives the length of what stands there then. */
@@ -53,15 +60,20 @@ export class StudyView {
     const quote = /^["']/.exec(this.text.value.slice(from, to))?.[0] ?? "";
     const written = `${quote}${value}${quote}`;
     this.text.setRangeText(written, from, to);
-    this.#changed(0);
+    this.#edited(0);
     return written.length;
+  }
+
+  #edited(delay) {
+    this.isEdited = true;
+    this.#changed(delay);
   }
 
   #changed(delay) {
     clearTimeout(this.timer);
     clearTimeout(this.resting);
-    // Trials of a live run end soon by themselves; those of a long one would keep all workers from it.
-    if (!this.isLive) this.progress.controller?.abort();
+    // A live run ends soon by itself, and shows something while a slider moves; a longer one would keep the workers from this change.
+    if (!this.isLive || performance.now() - this.begun > SOON) this.progress.abort();
     this.timer = setTimeout(() => this.#live(), delay);
   }
 
@@ -82,11 +94,18 @@ export class StudyView {
     }
     if (!this.study) return;
     clearTimeout(this.resting);
-    this.resting = setTimeout(() => this.#refine(Math.min(this.study.trials, RESTED_TRIALS)), REST);
+    this.resting = setTimeout(() => this.#rested(), REST);
+  }
+
+  /** The address holds the text from now on, so that reloading and going back keep it. */
+  async #rested() {
+    if (this.isEdited) history.replaceState(null, "", await this.link());
+    await this.#refine(Math.min(this.study.trials, RESTED_TRIALS));
   }
 
   async #once() {
     const text = this.text.value;
+    this.begun = performance.now();
     try {
       const { reply } = await engine.ask({ call: "inspect", text, name: `${this.name}.toml` });
       if (text !== this.text.value) {
@@ -98,13 +117,14 @@ export class StudyView {
       await this.#run(Math.min(reply.trials, few));
     } catch (error) {
       this.study = null;
-      showError(byId("study-error"), error);
+      this.#failed(error);
     }
   }
 
   #inspected(study) {
     this.study = study;
     showError(byId("study-error"), null);
+    byId("study-report").classList.remove("stale");
     byId("title-study").textContent = study.title;
     byId("study-question").textContent = study.question;
     this.sliders.set(study.keys);
@@ -124,7 +144,7 @@ export class StudyView {
       area.addEventListener("input", () => {
         this.text.setRangeText(area.value, from, to);
         to = from + area.value.length;
-        this.#changed(TYPING);
+        this.#edited(TYPING);
       });
       // Places have moved by what was typed here.
       area.addEventListener("blur", () => this.#changed(0));
@@ -135,10 +155,11 @@ export class StudyView {
   /** More trials of the same study, and then the facts of its answer that need sampling of their own. */
   async #refine(trials) {
     const isDone = this.ran?.text === this.text.value && this.ran.trials === trials;
-    if (!isDone) await this.#run(trials);
-    if (this.ran?.text === this.text.value && !this.ran.isComplete) await this.#complete(this.ran);
+    if (!isDone && !(await this.#run(trials))) return;
+    if (this.ran.text === this.text.value && !this.ran.isComplete) await this.#complete(this.ran);
   }
 
+  /** Whether the trials were run, and neither failed nor were stopped. */
   async #run(trials) {
     const study = { text: this.text.value, name: `${this.name}.toml` };
     const signal = this.progress.begin(`Running ${grouped(trials)} trials`);
@@ -148,8 +169,10 @@ export class StudyView {
       const answer = await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows, signal });
       this.ran = { ...study, trials, rows, took: performance.now() - begun, isComplete: false };
       await this.#show(answer, this.ran);
+      return true;
     } catch (error) {
-      this.#failed(error, signal);
+      this.#failed(error);
+      return false;
     } finally {
       this.progress.end(signal);
     }
@@ -163,15 +186,16 @@ export class StudyView {
       ran.isComplete = true;
       await this.#show(answer, ran);
     } catch (error) {
-      this.#failed(error, signal);
+      this.#failed(error);
     } finally {
       this.progress.end(signal);
     }
   }
 
-  #failed(error, signal) {
-    if (!isStopped(error)) showError(byId("study-error"), error);
-    else if (this.progress.controller.signal === signal) announce("Stopped");
+  #failed(error) {
+    if (isStopped(error)) return;
+    showError(byId("study-error"), error);
+    byId("study-report").classList.add("stale");
   }
 
   async #show({ reply, blobs }, { trials, took }) {
@@ -191,16 +215,16 @@ export class StudyView {
     }, { hidden: true });
     byId("study-actions").append(
       this.all,
-      button("Copy link", "Copy a link that holds the whole study", ({ currentTarget }) => this.#link(currentTarget)),
+      button("Copy link", "Copy a link that holds the whole study", async ({ currentTarget }) => copy(await this.link(), currentTarget)),
       button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => copy(this.#command(), currentTarget)),
-      button("study.toml", "Save study.toml", () => save(`${this.name}.toml`, this.text.value)));
+      button("study.toml", "Save the text of this study", () => save(`${this.name}.toml`, this.text.value)));
   }
 
-  async #link(from) {
+  /** The address of this site with the study in its fragment. */
+  async link() {
     const link = new URL(location);
     link.hash = `s=${await pack(this.text.value)}`;
-    history.replaceState(null, "", link);
-    copy(link.href, from);
+    return link.href;
   }
 
   #command() {
