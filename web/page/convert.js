@@ -29,13 +29,19 @@ export class ConvertView {
       const { reply } = await engine.ask({ call: "convert", text });
       if (text !== this.input.value) return;
       showError(byId("convert-error"), null);
-      const rows = reply.rows.map(({ name, value, unit, note }) => [name, value, unit, note ?? ""]);
+      const rows = reply.rows.map(({ convention, value, unit }) => [convention, element("span", { title: value }, written(value)), unit]);
       byId("convert-result").replaceChildren(element("p", { class: "headline", role: "status" }, reply.quantity),
-        table(`${text} in other units`, [{ label: "Convention", isText: true }, { label: "Value" }, { label: "Unit", isText: true }, { label: "Note", isText: true }], rows));
+        table(`${text} in other units`, [{ label: "Convention", isText: true }, { label: "Value" }, { label: "Unit", isText: true }], rows));
     } catch (error) {
       if (text !== this.input.value) return;
       byId("convert-result").replaceChildren();
       showError(byId("convert-error"), error);
     }
   }
+}
+
+/** Five digits of a number. */
+function written(number) {
+  const size = Math.abs(number);
+  return size === 0 || (size >= 1e-3 && size < 1e6) ? Number(number.toPrecision(5)).toString() : number.toExponential(4);
 }

@@ -7,6 +7,9 @@ import { Report } from "./report.js";
 /** Larger files do not fit into the memory of the module with what is computed from them. */
 const MOST_BYTES = 400e6;
 
+/** The example has no time stamps. */
+const EXAMPLE_OPTIONS = { rate: "1 Hz" };
+
 const ANALYSES = [
   { id: "allan", label: "Noise", doing: "Analyzing", command: "allan" },
   { id: "model", label: "Filter model", doing: "Fitting a filter model", command: "model" },
@@ -44,16 +47,17 @@ export class LogView {
 
   async example() {
     const response = await fetch("example/gyro_at_rest.csv");
-    this.open(new File([await response.blob()], "gyro_at_rest.csv"));
+    this.open(new File([await response.blob()], "gyro_at_rest.csv"), EXAMPLE_OPTIONS);
   }
 
   /** Opens a log, or the second of a comparison. */
-  open(file) {
+  open(file, options = {}) {
     if (file.size > MOST_BYTES) return this.#refuse(file);
     if (this.isComparing) return this.#compare(file);
     this.file = file;
     this.other = null;
     this.form.reset();
+    for (const [name, value] of Object.entries(options)) this.form.elements[name].value = value;
     this.#name(file.name);
     return this.#read();
   }
@@ -66,7 +70,7 @@ export class LogView {
 
   #name(text) {
     byId("log-work").hidden = false;
-    byId("log-introduction").hidden = true;
+    for (const part of ["log-introduction", "log-promise"]) byId(part).hidden = true;
     byId("drop").classList.add("compact");
     byId("log-name").textContent = text;
     byId("log-name").scrollIntoView({ block: "nearest" });
@@ -128,15 +132,15 @@ export class LogView {
   /** Opens the form at the option that the message names first. */
   #askForOptions({ message }) {
     byId("log-options").open = true;
-    const named = /--(unit|rate|data|column|temperature)\b/.exec(message)?.[1] ?? "unit";
+    const named = /\b(unit|rate|data|column|temperature): /.exec(message)?.[1] ?? "unit";
     this.form.elements[named].focus();
   }
 
-  #facts({ samples, rate, seconds: duration, columns, notes }) {
+  #facts({ samples, step_s: step, rate, data, columns, notes }) {
     const facts = byId("log-facts");
-    const shown = columns.map(({ name, unit, is_used: isUsed }) => `${name}${unit ? ` in ${unit}` : ""}${isUsed ? "" : " (not used)"}`);
-    facts.replaceChildren(...[["Samples", grouped(samples)], ["Rate", rate ? `${significant(rate)} Hz` : null], ["Length", length(duration)], ["Columns", shown.join(", ")]]
-      .filter(([, value]) => value).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
+    const shown = columns.map(({ name, unit }) => (unit ? `${name} in ${unit}` : name)).join(", ");
+    facts.replaceChildren(...[["Samples", grouped(samples)], ["Rate", rate], ["Length", length(samples * step)], ["Numbers", DATA[data]], ["Columns", shown]]
+      .flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
     facts.hidden = false;
     byId("log-notes").replaceChildren(...notes.map((note) => element("p", { class: "note" }, note)));
   }
@@ -232,6 +236,9 @@ export class LogView {
     }
   }
 }
+
+/** Kinds of the numbers of a log. */
+const DATA = { rate: "rates", increment: "increments", angle: "angles" };
 
 const significant = (number) => Number(number.toPrecision(4)).toString();
 

@@ -136,11 +136,12 @@ export class StudyView {
   #sweeps(sweeps) {
     const host = byId("sweeps");
     if (host.contains(document.activeElement)) return;
-    host.replaceChildren(...sweeps.map(({ key, text, span }) => {
+    host.replaceChildren(...sweeps.map(({ key, label, values, span: [from, end] }) => {
       const id = `sweep-${key}`;
-      const area = element("textarea", { id, rows: text.trim().split("\n").length, spellcheck: "false", autocomplete: "off", wrap: "off" });
+      const text = this.text.value.slice(from, end);
+      const area = element("textarea", { id, rows: text.split("\n").length, spellcheck: "false", autocomplete: "off" });
       area.value = text;
-      let [from, to] = span;
+      let to = end;
       area.addEventListener("input", () => {
         this.text.setRangeText(area.value, from, to);
         to = from + area.value.length;
@@ -148,7 +149,7 @@ export class StudyView {
       });
       // Places have moved by what was typed here.
       area.addEventListener("blur", () => this.#changed(0));
-      return element("div", { class: "sweep" }, element("label", { for: id }, `Sweep of ${key}`), area);
+      return element("div", { class: "sweep" }, element("label", { for: id, title: key }, `${label}: ${values.length} values`), area);
     }));
   }
 
