@@ -51,7 +51,7 @@ export function save(name, content) {
 
 /** Buttons that save files. */
 export function showFiles(host, files) {
-  host.replaceChildren(...files.map(({ name, bytes }) => button(name, `Save ${name}`, () => save(name, bytes))));
+  host.replaceChildren("Save:", ...files.map(({ name, bytes }) => button(name, `Save ${name}`, () => save(name, bytes))));
 }
 
 /** Copies a text, and says so on its button for a while. */

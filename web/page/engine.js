@@ -14,7 +14,9 @@ export class Failure extends Error {
 }
 
 async function compile() {
-  const url = WebAssembly.validate(SIMD_MODULE) ? "sagnac_simd.wasm" : "sagnac.wasm";
+  // With ?portable both can be compared in one browser.
+  const isPortable = new URLSearchParams(location.search).has("portable") || !WebAssembly.validate(SIMD_MODULE);
+  const url = isPortable ? "sagnac.wasm" : "sagnac_simd.wasm";
   try {
     return await WebAssembly.compileStreaming(fetch(url));
   } catch {

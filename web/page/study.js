@@ -218,7 +218,7 @@ export class StudyView {
       this.all,
       button("Copy link", "Copy a link that holds the whole study", async ({ currentTarget }) => copy(await this.link(), currentTarget)),
       button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => copy(this.#command(), currentTarget)),
-      button("study.toml", "Save the text of this study", () => save(`${this.name}.toml`, this.text.value)));
+      button("Save study.toml", "Save the text of this study", () => save(`${this.name}.toml`, this.text.value)));
   }
 
   /** The address of this site with the study in its fragment. */

@@ -124,6 +124,16 @@ const tests = {
     await page.until(`document.querySelectorAll("#gallery article").length > 0`, "the gallery without a server");
   },
 
+  async results_depend_neither_on_workers_nor_on_vectors(page, { origin }) {
+    const results = [];
+    for (const address of [origin, `${origin}/?portable`]) {
+      await page.go(address);
+      for (const shares of [1, 2, 5]) results.push(await page.evaluate(outcome, STUDY, 5000, shares));
+    }
+    const different = results.filter((result) => result !== results[0]);
+    check(different.length === 0, `digest and report are ${results.join(", ")}`);
+  },
+
   async a_link_restores_its_study(page) {
     await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
     await page.until(shown("study"), "the view of a study");
@@ -134,6 +144,17 @@ const tests = {
     await page.until(`!document.getElementById("trouble").hidden`, "a message on a link that was cut off");
   },
 };
+
+/** Runs in the page: the digest of the tables of a study and the SHA-256 of its report, with so many shares. */
+async function outcome(text, trials, shares) {
+  const { engine } = await import("/engine.js");
+  engine.shares = shares;
+  const study = { text, name: "study.toml" };
+  const rows = await engine.sample(study, { trials });
+  const { reply, blobs } = await engine.ask({ call: "outcome", ...study, trials, complete: true }, { blobs: rows });
+  const hash = await crypto.subtle.digest("SHA-256", blobs[0]);
+  return [reply.digest, ...Array.from(new Uint8Array(hash).slice(0, 8), (byte) => byte.toString(16).padStart(2, "0"))].join("");
+}
 
 /** Presses Tab until what has the focus is called so. */
 async function tabTo(page, name) {
