@@ -30,7 +30,7 @@ function show(view) {
     if (link.hash === `#${tab}`) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   });
-  byId("skip").href = `#${view}`;
+  document.title = `${document.querySelector(`#view-${view} h1`).textContent} · sagnac`;
   if (view !== "study") study.leave();
   if (view === "convert") convert.enter();
 }

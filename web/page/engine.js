@@ -34,14 +34,14 @@ class Instance {
     this.worker.postMessage({ module });
   }
 
-  run({ request, blobs, progress }) {
+  run({ request, blobs, isGiven, progress }) {
     return new Promise((resolve) => {
       this.worker.onmessage = ({ data }) => {
         if (data.progress) progress?.(...data.progress);
         else resolve(data);
       };
       this.worker.onerror = (event) => resolve({ reply: { error: { kind: "stopped", text: event.message ?? "The worker could not start" } } });
-      this.worker.postMessage({ request, blobs });
+      this.worker.postMessage({ request, blobs }, isGiven ? blobs.map((blob) => blob.buffer) : []);
     });
   }
 }
@@ -59,11 +59,11 @@ class Engine {
   /** Version of the program, and width of its vectors. */
   about = this.ask({ call: "about" }).then(({ reply }) => reply);
 
-  /** Answers `{reply, blobs}`, or throws a `Failure`. A signal stops the work by ending its worker. */
-  ask(request, { blobs = [], progress, signal } = {}) {
+  /** Answers `{reply, blobs}`, or throws a `Failure`. A signal stops the work by ending its worker. Blobs that are given away are not copied. */
+  ask(request, { blobs = [], isGiven = false, progress, signal } = {}) {
     return new Promise((resolve, reject) => {
       if (signal?.aborted) return reject(signal.reason);
-      this.#queue.push({ request, blobs, progress, signal, resolve, reject });
+      this.#queue.push({ request, blobs, isGiven, progress, signal, resolve, reject });
       this.#next();
     });
   }

@@ -111,7 +111,7 @@ export class LogView {
     byId("log-actions").hidden = true;
     const signal = this.progress.begin(`Reading ${file.name}`);
     try {
-      const { reply } = await engine.ask({ call: "read", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], signal });
+      const { reply } = await engine.ask({ call: "read", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.#facts(reply);
       byId("log-options").open = false;
       byId("log-actions").hidden = false;
@@ -187,7 +187,7 @@ export class LogView {
     try {
       const blobs = await Promise.all(files.map((file) => this.#bytes(file)));
       const begun = performance.now();
-      const { reply, blobs: made } = await engine.ask({ ...request, options: this.#options() }, { blobs, signal, progress: (...part) => this.progress.set(...part) });
+      const { reply, blobs: made } = await engine.ask({ ...request, options: this.#options() }, { blobs, isGiven: true, signal, progress: (...part) => this.progress.set(...part) });
       const took = performance.now() - begun;
       await this.report.show(made[0], files.map(({ name }) => name).join(" and "));
       if (signal.aborted) return false;
@@ -227,7 +227,7 @@ export class LogView {
     const { file } = this;
     const signal = this.progress.begin("Writing a study with this noise");
     try {
-      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], signal });
+      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.openStudy(reply.text, file.name.replace(/\.\w+$/, ""));
     } catch (error) {
       this.#failed(error);

@@ -6,10 +6,9 @@ import { pack } from "./link.js";
 import { Report } from "./report.js";
 import { Sliders } from "./sliders.js";
 
-/** Trials of each point while a slider moves. Records are longer than other trials: fewer of them are simulated. */
+/** Most and fewest trials of each point while a slider moves; as many as end soon. */
 const LIVE_TRIALS = 4096;
-const LIVE_RECORDS = 64;
-const KINDS_OF_RECORDS = ["allan", "lock-in", "navigation"];
+const FEWEST_TRIALS = 8;
 
 /** Most trials of each point that are run without being asked for. */
 const RESTED_TRIALS = 262144;
@@ -18,8 +17,9 @@ const RESTED_TRIALS = 262144;
 const TYPING = 150;
 const REST = 400;
 
-/** Time in ms in which a live run should end. */
-const SOON = 400;
+/** Times in ms in which a live run should end, and after which it starts again with fewer trials. */
+const SOON = 300;
+const LATE = 1000;
 
 export class StudyView {
   constructor() {
@@ -38,6 +38,7 @@ export class StudyView {
     this.name = name;
     this.isEdited = false;
     this.ran = null;
+    this.few = LIVE_TRIALS;
     this.text.value = text;
     this.study = null;
     this.sliders.clear();
@@ -84,15 +85,13 @@ export class StudyView {
       return;
     }
     this.isLive = true;
-    try {
-      do {
-        this.isWaiting = false;
-        await this.#once();
-      } while (this.isWaiting);
-    } finally {
-      this.isLive = false;
-    }
-    if (!this.study) return;
+    let isDone;
+    do {
+      this.isWaiting = false;
+      isDone = await this.#once();
+    } while (this.isWaiting);
+    this.isLive = false;
+    if (!isDone) return;
     clearTimeout(this.resting);
     this.resting = setTimeout(() => this.#rested(), REST);
   }
@@ -103,6 +102,7 @@ export class StudyView {
     await this.#refine(Math.min(this.study.trials, RESTED_TRIALS));
   }
 
+  /** Whether there is an answer to the text. */
   async #once() {
     const text = this.text.value;
     this.begun = performance.now();
@@ -110,15 +110,30 @@ export class StudyView {
       const { reply } = await engine.ask({ call: "inspect", text, name: `${this.name}.toml` });
       if (text !== this.text.value) {
         this.isWaiting = true;
-        return;
+        return false;
       }
       this.#inspected(reply);
-      const few = KINDS_OF_RECORDS.includes(reply.kind) ? LIVE_RECORDS : LIVE_TRIALS;
-      await this.#run(Math.min(reply.trials, few));
+      return await this.#few(Math.min(reply.trials, this.few));
     } catch (error) {
       this.study = null;
       this.#failed(error);
+      return false;
     }
+  }
+
+  /** A live run, after which the next one has fewer or more trials by the time that this one took. */
+  async #few(trials) {
+    const late = trials > FEWEST_TRIALS && setTimeout(() => {
+      this.few = Math.max(FEWEST_TRIALS, trials >> 3);
+      this.isWaiting = true;
+      this.progress.abort();
+    }, LATE);
+    const isDone = await this.#run(trials);
+    clearTimeout(late);
+    if (!isDone) return false;
+    if (this.ran.took > SOON) this.few = Math.max(FEWEST_TRIALS, trials >> 1);
+    else if (this.ran.took < SOON / 4) this.few = Math.min(LIVE_TRIALS, this.few * 2);
+    return true;
   }
 
   #inspected(study) {
@@ -126,6 +141,7 @@ export class StudyView {
     showError(byId("study-error"), null);
     byId("study-report").classList.remove("stale");
     byId("title-study").textContent = study.title;
+    document.title = `${study.title} · sagnac`;
     byId("study-question").textContent = study.question;
     this.sliders.set(study.keys);
     this.#sweeps(study.sweeps);

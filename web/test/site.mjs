@@ -124,6 +124,32 @@ const tests = {
     await page.until(`document.querySelectorAll("#gallery article").length > 0`, "the gallery without a server");
   },
 
+  async a_log_without_a_rate_opens_the_form_at_it(page) {
+    await page.drop([{ name: "bare.csv", bytes: Buffer.from(`rate [deg/h]\n${Array.from({ length: 3000 }, (_, at) => Math.sin(at * at).toFixed(4)).join("\n")}\n`) }]);
+    await page.until(`!document.getElementById("log-error").hidden`, "the message");
+    const focused = await page.evaluate(`document.getElementById("log-options").open && document.activeElement.name`);
+    check(focused === "rate", `the focus is in ${focused}`);
+    await page.evaluate(`document.activeElement.value = "100 Hz"`);
+    await page.press("Enter");
+    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report after the rate was given");
+    await page.until(`document.getElementById("log-error").hidden`, "the message to go");
+  },
+
+  async mistakes_are_shown_while_typing(page) {
+    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
+    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
+    const type = (from, to) => page.evaluate((before, after) => {
+      const text = document.getElementById("study-text");
+      text.value = text.value.replace(before, after);
+      text.dispatchEvent(new Event("input"));
+    }, from, to);
+    await type("20 Hz", "20 Hertz");
+    await page.until(`document.getElementById("study-error").textContent.includes("Hertz")`, "the message with the line");
+    await type("20 Hertz", "21 Hz");
+    await page.until(`document.getElementById("study-error").hidden`, "the message to go");
+    await page.until(`location.hash.startsWith("#s=") && location.hash !== ${JSON.stringify(linkOf(STUDY))}`, "the edited study in the address");
+  },
+
   async results_depend_neither_on_workers_nor_on_vectors(page, { origin }) {
     const results = [];
     for (const address of [origin, `${origin}/?portable`]) {
