@@ -32,6 +32,7 @@ function show(view) {
   });
   document.title = `${document.querySelector(`#view-${view} h1`).textContent} · sagnac`;
   if (view !== "study") study.leave();
+  if (view === "studies" || view === "study") engine.warm().catch(() => {});
   if (view === "convert") convert.enter();
 }
 

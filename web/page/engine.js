@@ -68,6 +68,12 @@ class Engine {
     });
   }
 
+  /** Starts the workers before there is work for all of them. */
+  async warm() {
+    const module = await this.#module;
+    for (; this.#count < this.#most; this.#count += 1) this.#idle.push(new Instance(module));
+  }
+
   /** Trials of a study, divided among the workers: the rows that `outcome` takes. */
   async sample(study, { trials, progress, signal }) {
     const parts = Array.from({ length: this.shares }, () => [0, 0]);

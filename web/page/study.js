@@ -19,7 +19,7 @@ const REST = 400;
 
 /** Times in ms in which a live run should end, and after which it starts again with fewer trials. */
 const SOON = 300;
-const LATE = 1000;
+const LATE = 2000;
 
 export class StudyView {
   constructor() {
@@ -123,7 +123,10 @@ export class StudyView {
 
   /** A live run, after which the next one has fewer or more trials by the time that this one took. */
   async #few(trials) {
+    const before = this.ran;
     const late = trials > FEWEST_TRIALS && setTimeout(() => {
+      // Computed, and only not drawn yet.
+      if (this.ran !== before) return;
       this.few = Math.max(FEWEST_TRIALS, trials >> 3);
       this.isWaiting = true;
       this.progress.abort();

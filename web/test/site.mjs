@@ -150,6 +150,19 @@ const tests = {
     await page.until(`location.hash.startsWith("#s=") && location.hash !== ${JSON.stringify(linkOf(STUDY))}`, "the edited study in the address");
   },
 
+  async damaged_files_give_a_message_and_leave_the_page_alive(page) {
+    const noise = Buffer.from(Array.from({ length: 4096 }, (_, at) => (at * at * 37 + at) & 255));
+    const begins = { "a.npy": "\x93NUMPY\x01\x00v\x00{'descr': '<f8', 'shape': (9999999999,), }", "a.npz": "PK\x03\x04\xff\xff", "a.mat": "MATLAB 5.0 MAT-file", "a.h5": "\x89HDF\r\n\x1a\n", "a.csv": "\xff\xfe\x00" };
+    for (const [name, begin] of Object.entries(begins)) {
+      await page.drop([{ name, bytes: Buffer.concat([Buffer.from(begin, "latin1"), noise]) }]);
+      await page.until(`document.getElementById("log-name").textContent === "${name}" && document.getElementById("log-error").textContent`, `a message on ${name}`);
+    }
+    await page.drop([{ name: "empty.csv", bytes: Buffer.alloc(0) }]);
+    await page.until(`document.getElementById("log-name").textContent === "empty.csv" && document.getElementById("log-error").textContent`, "a message on an empty file");
+    await page.evaluate(`document.getElementById("example").click()`);
+    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example afterwards");
+  },
+
   async results_depend_neither_on_workers_nor_on_vectors(page, { origin }) {
     const results = [];
     for (const address of [origin, `${origin}/?portable`]) {
