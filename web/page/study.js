@@ -1,6 +1,6 @@
 // The view of a study: its text with sliders beside it, and its answer as they change.
 
-import { Progress, announce, button, byId, copy, element, grouped, save, seconds, showError, showFiles } from "./elements.js";
+import { Progress, announce, button, byId, copy, element, grouped, seconds, showError, showFiles } from "./elements.js";
 import { engine, isStopped } from "./engine.js";
 import { pack } from "./link.js";
 import { Report } from "./report.js";
@@ -218,9 +218,10 @@ export class StudyView {
     byId("study-report").classList.add("stale");
   }
 
-  async #show({ reply, blobs }, { trials, took }) {
+  async #show({ reply, blobs }, { text, name, trials, took }) {
     await this.report.show(blobs[0], this.study?.title ?? this.name);
-    showFiles(byId("study-files"), [{ name: "report.html", bytes: blobs[0] }, ...reply.files.map(({ name }, at) => ({ name, bytes: blobs[at + 1] }))]);
+    const tables = reply.files.map((file, at) => ({ name: file.name, bytes: blobs[at + 1] }));
+    showFiles(byId("study-files"), [{ name, bytes: text }, { name: "report.html", bytes: blobs[0] }, ...tables]);
     const { lanes } = await engine.about;
     const workers = engine.shares === 1 ? "1 worker" : `${engine.shares} workers`;
     byId("study-ran").replaceChildren(`${workers}, ${lanes} · ${grouped(trials)} trials per point · ${seconds(took)} · points.csv `,
@@ -236,8 +237,7 @@ export class StudyView {
     byId("study-actions").append(
       this.all,
       button("Copy link", "Copy a link that holds the whole study", async ({ currentTarget }) => copy(await this.link(), currentTarget)),
-      button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => copy(this.#command(), currentTarget)),
-      button("Save study.toml", "Save the text of this study", () => save(`${this.name}.toml`, this.text.value)));
+      button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => copy(this.#command(), currentTarget)));
   }
 
   /** The address of this site with the study in its fragment. */
