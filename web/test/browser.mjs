@@ -34,11 +34,12 @@ export async function serve(folder) {
 
 /** Chromium with a fresh profile, driven over a pipe. */
 export class Browser {
-  static async start(executable = process.env.CHROMIUM ?? "chromium") {
+  static async start(more = []) {
+    const executable = process.env.CHROMIUM ?? "chromium";
     const browser = new Browser();
     browser.profile = mkdtempSync(join(tmpdir(), "sagnac-site-"));
     browser.process = spawn(executable, ["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run", "--disable-background-networking",
-      "--disable-component-update", "--disable-sync", `--user-data-dir=${browser.profile}`, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+      "--disable-component-update", "--disable-sync", `--user-data-dir=${browser.profile}`, ...more, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
     browser.#listen();
     return browser;
   }

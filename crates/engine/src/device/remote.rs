@@ -202,7 +202,7 @@ impl Remote {
             let at = first + done as u64;
             // The record numbers of a batch share one upper half.
             let to_half = (1 << 32) - (at & u64::from(u32::MAX));
-            let lanes = most.min(count - done).min(to_half as usize);
+            let lanes = (most.min(count - done) as u64).min(to_half) as usize;
             let found = self.batch(recipe, at, lanes)?;
             sums.extend(found.unwrap_or_else(|| vec![0; lanes * recipe.values()]));
             progress(lanes as u64);

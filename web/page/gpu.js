@@ -1,0 +1,103 @@
+// The GPU of the browser. It runs dispatches that the program has noted, and its answers go back to the program in their order.
+
+/** A GPU on which shares of studies run, or null where the browser offers none. */
+export async function openGpu() {
+  const adapter = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
+  if (!adapter) return null;
+  const device = await adapter.requestDevice();
+  const { vendor, architecture, description } = adapter.info ?? {};
+  return new Gpu(device, description || [vendor, architecture].filter(Boolean).join(" ") || "WebGPU");
+}
+
+/** Trials of a study on the GPU: the rows that `outcome` takes, and what was noted where the GPU failed and a processor went on. */
+export async function sampleOnGpu(engine, gpu, study, { trials, progress, signal }) {
+  const share = { ...study, trials, number: 1, of: 1 };
+  const noted = await engine.ask({ call: "gpu_dispatches", ...share }, { signal });
+  const answers = await gpu.run(noted.reply, noted.blobs, { signal, progress });
+  const { reply, blobs } = await engine.ask({ call: "gpu_share", ...share }, { blobs: answers, isGiven: true, signal });
+  return { rows: [blobs[0]], notes: reply.notes };
+}
+
+class Gpu {
+  #pipelines = new Map();
+  #normals = null;
+  #lost = null;
+
+  constructor(device, name) {
+    this.device = device;
+    this.name = name;
+    device.lost.then(({ message }) => { this.#lost = message; });
+  }
+
+  /** The words that each dispatch writes, as bytes. `files` are those of the program's reply, the table of normal numbers first. */
+  async run({ shaders, dispatches }, files, { signal, progress } = {}) {
+    this.#normals ??= this.#buffer(files[0], GPUBufferUsage.STORAGE);
+    const answers = [];
+    for (const dispatch of dispatches) {
+      signal?.throwIfAborted();
+      if (this.#lost !== null) throw new Error(`the GPU was lost: ${this.#lost}`);
+      answers.push(await this.#dispatch(shaders[dispatch.shader], dispatch, files));
+      progress?.(answers.length, dispatches.length);
+    }
+    return answers;
+  }
+
+  async #dispatch(shader, { hasNormals, inputs, scratch, outputs, passes }, files) {
+    const pipeline = await this.#pipeline(shader);
+    const owned = [];
+    const own = (buffer) => (owned.push(buffer), buffer);
+    const bound = (binding, buffer) => ({ binding, resource: { buffer } });
+    const results = outputs.map(([binding, words]) => ({
+      binding, size: 4 * words, buffer: own(this.#zeros(words, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC)),
+    }));
+    const entries = [
+      ...(hasNormals ? [bound(0, this.#normals)] : []),
+      ...inputs.map(([binding, file]) => bound(binding, own(this.#buffer(files[file], GPUBufferUsage.STORAGE)))),
+      ...scratch.map(([binding, words]) => bound(binding, own(this.#zeros(words, GPUBufferUsage.STORAGE)))),
+      ...results.map(({ binding, buffer }) => bound(binding, buffer)),
+    ];
+    const read = own(this.device.createBuffer({
+      size: results.reduce((sum, { size }) => sum + size, 0), usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
+    }));
+    const layout = pipeline.getBindGroupLayout(0);
+    for (const [at, { uniform, grid }] of passes.entries()) {
+      const uniforms = uniform === null ? [] : [bound(1, own(this.#buffer(files[uniform], GPUBufferUsage.UNIFORM)))];
+      const encoder = this.device.createCommandEncoder();
+      const pass = encoder.beginComputePass();
+      pass.setPipeline(pipeline);
+      pass.setBindGroup(0, this.device.createBindGroup({ layout, entries: [...entries, ...uniforms] }));
+      pass.dispatchWorkgroups(...grid);
+      pass.end();
+      if (at === passes.length - 1) {
+        let place = 0;
+        for (const { buffer, size } of results) {
+          encoder.copyBufferToBuffer(buffer, 0, read, place, size);
+          place += size;
+        }
+      }
+      this.device.queue.submit([encoder.finish()]);
+    }
+    await read.mapAsync(GPUMapMode.READ);
+    const bytes = new Uint8Array(read.getMappedRange().slice(0));
+    owned.forEach((buffer) => buffer.destroy());
+    return bytes;
+  }
+
+  async #pipeline(code) {
+    if (!this.#pipelines.has(code)) {
+      const module = this.device.createShaderModule({ code });
+      this.#pipelines.set(code, await this.device.createComputePipelineAsync({ layout: "auto", compute: { module, entryPoint: "main" } }));
+    }
+    return this.#pipelines.get(code);
+  }
+
+  #buffer(bytes, usage) {
+    const buffer = this.device.createBuffer({ size: bytes.length, usage: usage | GPUBufferUsage.COPY_DST });
+    this.device.queue.writeBuffer(buffer, 0, bytes);
+    return buffer;
+  }
+
+  #zeros(words, usage) {
+    return this.device.createBuffer({ size: 4 * words, usage });
+  }
+}

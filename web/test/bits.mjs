@@ -1,0 +1,68 @@
+// node web/test/bits.mjs SITE PROGRAM: the page gives the bits of the program in Chromium, whichever engine computes: one worker or
+// several, with and without SIMD128, and WebGPU.
+
+import { readFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { Browser, serve } from "./browser.mjs";
+import { agrees, kernels, logs, studies } from "./digests.mjs";
+
+const [folder, program] = process.argv.slice(2);
+
+/** Runs in the page: the digest of the points of a study, on so many workers or, with 0, on the GPU. */
+async function pointsOf(study, trials, workers) {
+  const { engine } = await import("/engine.js");
+  let rows;
+  if (workers > 0) {
+    engine.shares = workers;
+    rows = await engine.sample(study, { trials });
+  } else {
+    const { openGpu, sampleOnGpu } = await import("/gpu.js");
+    window.gpu ??= await openGpu();
+    if (!window.gpu) return "there is no WebGPU";
+    const found = await sampleOnGpu(engine, window.gpu, study, { trials });
+    if (found.notes.length > 0) return found.notes.join("; ");
+    rows = found.rows;
+  }
+  return (await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows })).reply.digest;
+}
+
+/** Runs in the page: the SHA-256 of the page and of the tables of a log. */
+async function filesOf(name, letters, options) {
+  const { engine } = await import("/engine.js");
+  const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
+  const { reply, blobs } = await engine.ask({ call: "allan", name, options }, { blobs: [bytes] });
+  const names = ["report.html", ...reply.files.map((file) => file.name)];
+  const hash = async (blob) => Array.from(new Uint8Array(await crypto.subtle.digest("SHA-256", blob)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  return Object.fromEntries(await Promise.all(blobs.map(async (blob, at) => [names[at], await hash(blob)])));
+}
+
+async function digestOfKernels() {
+  const { engine } = await import("/engine.js");
+  return (await engine.ask({ call: "verify", units: 4096 })).reply.digest;
+}
+
+let failed = 0;
+const expect = (name, found, expected) => {
+  if (!agrees(name, found, expected)) failed += 1;
+};
+const site = await serve(resolve(folder));
+const gallery = JSON.parse(readFileSync(join(folder, "gallery.json")));
+const browser = await Browser.start(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]);
+try {
+  for (const [engine, address, workers] of [["WebGPU", "/", 0], ["SIMD128, 3 workers", "/", 3], ["portable, 1 worker", "/?portable", 1]]) {
+    const page = await browser.open(site.origin + address);
+    if (workers > 0) expect(`${engine}: kernels`, await page.evaluate(digestOfKernels), kernels());
+    for (const { name, study: { trials, ...study }, expected } of studies(gallery)) {
+      expect(`${engine}: ${name}`, await page.evaluate(pointsOf, study, trials, workers), expected);
+    }
+    for (const { name, bytes, options, expected } of workers > 0 ? logs(program) : []) {
+      const found = await page.evaluate(filesOf, name, bytes.toString("base64"), options);
+      for (const [file, digest] of Object.entries(expected)) expect(`${engine}: ${name}: ${file}`, found[file], digest);
+    }
+    await page.close();
+  }
+} finally {
+  await browser.close();
+  await site.close();
+}
+process.exitCode = failed > 0 ? 1 : 0;
