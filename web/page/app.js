@@ -49,6 +49,7 @@ async function route() {
   else if (view === "study" && value) await openShipped(decodeURIComponent(value));
   else if (view === "study" && !study.text.value) show("studies");
   else show(VIEWS.includes(view) ? view : "log");
+  if (view === "study" && !value && study.text.value) study.enter();
 }
 
 async function openLink(packed) {
@@ -56,7 +57,8 @@ async function openLink(packed) {
   try {
     const text = await unpack(packed);
     // Going back to a study that was edited keeps its name and its answer.
-    if (text !== study.text.value) study.open(text, "study");
+    if (text === study.text.value) study.enter();
+    else study.open(text, "study");
   } catch {
     show("studies");
     trouble("This link does not hold a whole study: it was cut off or changed on its way. Ask for it again, or open one of these.");

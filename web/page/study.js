@@ -2,9 +2,9 @@
 
 import { Progress, announce, button, byId, copy, element, grouped, seconds, showError, showFiles } from "./elements.js";
 import { engine, isStopped } from "./engine.js";
+import { Sliders, Sweeps } from "./inputs.js";
 import { pack } from "./link.js";
 import { Report } from "./report.js";
-import { Sliders } from "./sliders.js";
 
 /** Most and fewest trials of each point while a slider moves; as many as end soon. */
 const LIVE_TRIALS = 4096;
@@ -25,16 +25,22 @@ export class StudyView {
   constructor() {
     this.name = "study";
     this.text = byId("study-text");
-    this.sliders = new Sliders(byId("sliders"), (span, value) => this.#replace(span, value));
+    this.sliders = new Sliders(byId("sliders"), (span, value) => this.#slide(span, value));
+    this.sweeps = new Sweeps(byId("sweeps"), (span, text) => this.#sweep(span, text));
     this.report = new Report(byId("study-report"));
     this.progress = new Progress(byId("study-progress"));
-    this.text.addEventListener("input", () => this.#edited(TYPING));
+    this.text.addEventListener("input", () => {
+      this.sliders.disable();
+      this.sweeps.disable();
+      this.#edited(TYPING);
+    });
     this.#buttons();
     // On phones the answer comes before the text.
     byId("study-source").open = !matchMedia("(max-width: 860px)").matches;
   }
 
   open(text, name) {
+    this.progress.abort();
     this.name = name;
     this.isEdited = false;
     this.ran = null;
@@ -42,11 +48,16 @@ export class StudyView {
     this.text.value = text;
     this.study = null;
     this.sliders.clear();
-    byId("sweeps").replaceChildren();
+    this.sweeps.clear();
     byId("study-files").replaceChildren();
     byId("study-ran").textContent = "";
     this.report.clear();
     this.#changed(0);
+  }
+
+  /** Goes on where leaving stopped it. */
+  enter() {
+    if (this.ran?.text !== this.text.value) this.#changed(0);
   }
 
   /** Stops what runs, when another view is shown. */
@@ -57,12 +68,20 @@ export class StudyView {
   }
 
   /** Puts a value between the quotes of a quoted one, and gives the length of what stands there then. */
-  #replace([from, to], value) {
+  #slide([from, to], value) {
+    this.sweeps.disable();
     const quote = /^["']/.exec(this.text.value.slice(from, to))?.[0] ?? "";
     const written = `${quote}${value}${quote}`;
     this.text.setRangeText(written, from, to);
     this.#edited(0);
     return written.length;
+  }
+
+  #sweep([from, to], text) {
+    this.sliders.disable();
+    this.text.setRangeText(text, from, to);
+    this.#edited(TYPING);
+    return text.length;
   }
 
   #edited(delay) {
@@ -98,6 +117,7 @@ export class StudyView {
 
   /** The address holds the text from now on, so that reloading and going back keep it. */
   async #rested() {
+    if (byId("view-study").hidden) return;
     if (this.isEdited) history.replaceState(null, "", await this.link());
     await this.#refine(Math.min(this.study.trials, RESTED_TRIALS));
   }
@@ -147,29 +167,9 @@ export class StudyView {
     document.title = `${study.title} · sagnac`;
     byId("study-question").textContent = study.question;
     this.sliders.set(study.keys);
-    this.#sweeps(study.sweeps);
+    this.sweeps.set(study.sweeps, this.text.value);
     this.all.hidden = study.trials <= RESTED_TRIALS;
     this.all.textContent = `Run all ${grouped(study.trials)} trials`;
-  }
-
-  #sweeps(sweeps) {
-    const host = byId("sweeps");
-    if (host.contains(document.activeElement)) return;
-    host.replaceChildren(...sweeps.map(({ key, label, values, span: [from, end] }) => {
-      const id = `sweep-${key}`;
-      const text = this.text.value.slice(from, end);
-      const area = element("textarea", { id, rows: text.split("\n").length, spellcheck: "false", autocomplete: "off" });
-      area.value = text;
-      let to = end;
-      area.addEventListener("input", () => {
-        this.text.setRangeText(area.value, from, to);
-        to = from + area.value.length;
-        this.#edited(TYPING);
-      });
-      // Places have moved by what was typed here.
-      area.addEventListener("blur", () => this.#changed(0));
-      return element("div", { class: "sweep" }, element("label", { for: id, title: key }, `${label}: ${values.length} values`), area);
-    }));
   }
 
   /** More trials of the same study, and then the facts of its answer that need sampling of their own. */

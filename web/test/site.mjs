@@ -145,9 +145,29 @@ const tests = {
     }, from, to);
     await type("20 Hz", "20 Hertz");
     await page.until(`document.getElementById("study-error").textContent.includes("Hertz")`, "the message with the line");
+    check(await page.evaluate(`document.querySelector("#sliders input").disabled`), "sliders change a text that cannot be read");
     await type("20 Hertz", "21 Hz");
     await page.until(`document.getElementById("study-error").hidden`, "the message to go");
     await page.until(`location.hash.startsWith("#s=") && location.hash !== ${JSON.stringify(linkOf(STUDY))}`, "the edited study in the address");
+  },
+
+  async sweeps_and_sliders_change_their_places_in_the_text(page) {
+    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
+    await page.until(`document.querySelector("#sweeps textarea")`, "the field of a sweep");
+    const set = (selector, value) => page.evaluate((found, written) => {
+      const input = document.querySelector(found);
+      input.focus();
+      input.value = written;
+      input.dispatchEvent(new Event("input"));
+    }, selector, value);
+    await set("#sweeps textarea", "[1, 2, 3, 4, 5]");
+    await page.until(`document.querySelector("#sweeps label").textContent.endsWith("5 values")`, "the number of values of the sweep");
+    await set("#sliders input", "300");
+    await set("#sliders input", "350");
+    await page.until(`document.getElementById("study-ran").textContent && !document.querySelector("#sweeps textarea").disabled`, "the sweep to be read again");
+    const text = await page.evaluate(`document.getElementById("study-text").value`);
+    const expected = STUDY.replace("[1, 2, 3]", "[1, 2, 3, 4, 5]").replace(/tick = "[^"]*"/, /tick = "[^"]*"/.exec(text)[0]);
+    check(text === expected && !text.includes('"5 ms"'), `the text became ${JSON.stringify(text)}`);
   },
 
   async damaged_files_give_a_message_and_leave_the_page_alive(page) {

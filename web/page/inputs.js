@@ -1,4 +1,4 @@
-// Sliders for the keys of a study, in step with the places of their values in its text.
+// Sliders for the keys of a study and fields for its sweeps, in step with their places in its text.
 
 import { element } from "./elements.js";
 
@@ -60,8 +60,16 @@ export class Sliders {
     return row;
   }
 
+  /** After the text was changed elsewhere, places are unknown until it is read again. */
+  disable() {
+    this.rows.forEach(({ input }) => {
+      input.disabled = true;
+    });
+  }
+
   #update(row, key) {
     row.key = key;
+    row.input.disabled = false;
     const { low, high } = row.range;
     if (key.number < low || key.number > high || key.unit !== row.unit) row.range = rangeOf(key);
     row.unit = key.unit;
@@ -85,5 +93,55 @@ export class Sliders {
     const moved = length - (to - from);
     key.span = [from, from + length];
     for (const { key: other } of this.rows.values()) if (other.span[0] >= to && other !== key) other.span = other.span.map((at) => at + moved);
+  }
+}
+
+/** Fields with the values of sweeps, as they are written. */
+export class Sweeps {
+  /** `change(span, text)` replaces a part of the study. */
+  constructor(host, change) {
+    this.host = host;
+    this.change = change;
+    this.rows = [];
+  }
+
+  /** Takes over the sweeps of a text; the field that has the focus keeps it. */
+  set(sweeps, text) {
+    if (sweeps.map(({ key }) => key).join() !== this.rows.map(({ key }) => key).join()) {
+      this.rows = sweeps.map(({ key }) => this.#row(key));
+      this.host.replaceChildren(...this.rows.map(({ node }) => node));
+    }
+    sweeps.forEach(({ label, values, span }, at) => {
+      const row = this.rows[at];
+      row.span = span;
+      row.label.textContent = values.length === 1 ? `${label}: 1 value` : `${label}: ${values.length} values`;
+      row.area.disabled = false;
+      if (document.activeElement === row.area) return;
+      row.area.value = text.slice(...span);
+      row.area.rows = row.area.value.split("\n").length;
+    });
+  }
+
+  clear() {
+    this.set([], "");
+  }
+
+  /** After the text was changed elsewhere than in the field `area`, places are unknown until it is read again. */
+  disable(area = null) {
+    this.rows.forEach((row) => {
+      row.area.disabled = row.area !== area;
+    });
+  }
+
+  #row(key) {
+    const id = `sweep-${key}`;
+    const label = element("label", { for: id, title: key });
+    const area = element("textarea", { id, spellcheck: "false", autocapitalize: "off", autocomplete: "off" });
+    const row = { key, node: element("div", { class: "sweep" }, label, area), label, area, span: [0, 0] };
+    area.addEventListener("input", () => {
+      this.disable(area);
+      row.span = [row.span[0], row.span[0] + this.change(row.span, area.value)];
+    });
+    return row;
   }
 }
