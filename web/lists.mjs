@@ -1,8 +1,10 @@
-// node web/lists.mjs SITE: adds the gallery of studies and the example log to the site, and the list of its files.
+// node web/lists.mjs SITE: adds to the site the gallery of studies, the example log, the digest of the one script that reports may run,
+// and the list of its files.
 
 import { createHash } from "node:crypto";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { join, relative } from "node:path";
+import { instance } from "./instance.mjs";
 
 const site = process.argv[2];
 const root = new URL("..", import.meta.url).pathname;
@@ -36,7 +38,19 @@ const gallery = readdirSync(studies).filter((name) => name.endsWith(".toml")).so
 });
 writeFileSync(join(site, "gallery.json"), JSON.stringify(gallery));
 mkdirSync(join(site, "example"));
-copyFileSync(join(studies, "data/gyro_at_rest.csv"), join(site, "example/gyro_at_rest.csv"));
+const example = join(site, "example/gyro_at_rest.csv");
+copyFileSync(join(studies, "data/gyro_at_rest.csv"), example);
+
+// All reports have the same script, which the content security policy names by its digest.
+const request = { call: "allan", name: "gyro_at_rest.csv", options: { rate: "1 Hz" } };
+const report = instance(join(site, "sagnac.wasm"))(request, [readFileSync(example)]).blobs[0].toString();
+const scripts = [...report.matchAll(/<script>(.*?)<\/script>/gs)].map(([, script]) => script);
+if (scripts.length !== 1) throw new Error(`a report has ${scripts.length} scripts, expected one`);
+const index = join(site, "index.html");
+const page = readFileSync(index, "utf8");
+const allowed = `'sha256-${createHash("sha256").update(scripts[0]).digest("base64")}'`;
+if (!/'sha256-[^']*'/.test(page)) throw new Error("index.html has no digest to replace");
+writeFileSync(index, page.replace(/'sha256-[^']*'/, allowed));
 
 // The service worker compares each file with its digest. It is not in the list itself.
 const list = [...filesOf(site)].map((path) => ({

@@ -3,6 +3,7 @@
 import { announce, byId, element } from "./elements.js";
 import { engine } from "./engine.js";
 import { ConvertView } from "./convert.js";
+import { gallery } from "./gallery.js";
 import { unpack } from "./link.js";
 import { LogView } from "./log.js";
 import { setTheme } from "./report.js";
@@ -19,9 +20,6 @@ const log = new LogView((text, name) => {
 });
 const convert = new ConvertView();
 new VerifyView(engine.about);
-
-/** The shipped studies: `{name, title, question, kind, picture, text}`, where `picture` is the address of a picture. */
-const gallery = fetch("gallery.json").then((response) => response.json());
 
 function show(view) {
   for (const each of VIEWS) byId(`view-${each}`).hidden = each !== view;
@@ -151,8 +149,8 @@ function skipping() {
 
 async function introduce() {
   try {
-    const { version, lanes } = await engine.about;
-    byId("about").textContent = `sagnac ${version}, ${lanes}, ${engine.shares === 1 ? "1 worker" : `${engine.shares} workers`}.`;
+    const { version } = await engine.about;
+    byId("about").textContent = `sagnac ${version}, ${await engine.description()}.`;
   } catch (error) {
     trouble(error.message);
   }

@@ -1,4 +1,7 @@
-// The engine: instances of the program in workers, which share nothing. A study is divided into shares, one for each worker.
+// The engine: instances of the program in workers, which share nothing. A study is divided into shares, one for each worker, or runs on
+// the GPU of the browser.
+
+import { openGpu, sampleOnGpu } from "./gpu.js";
 
 /** The least module that uses SIMD128; browsers without it call it invalid. */
 const SIMD_MODULE = Uint8Array.of(0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11);
@@ -46,7 +49,7 @@ class Instance {
   }
 }
 
-/** Workers on the processor. */
+/** Workers on the processor, and the GPU where there is one. */
 class Engine {
   /** Workers that take shares of a study; one more answers where there is only one of them. */
   shares = Math.max(1, Math.min(navigator.hardwareConcurrency || 2, MOST_WORKERS));
@@ -55,6 +58,7 @@ class Engine {
   #queue = [];
   #count = 0;
   #module = compile();
+  #gpu = openGpu().catch(() => null);
 
   /** Version of the program, and width of its vectors. */
   about = this.ask({ call: "about" }).then(({ reply }) => reply);
@@ -74,8 +78,30 @@ class Engine {
     for (; this.#count < this.#most; this.#count += 1) this.#idle.push(new Instance(module));
   }
 
-  /** Trials of a study, divided among the workers: the rows that `outcome` takes. */
-  async sample(study, { trials, progress, signal }) {
+  /** Trials of a study: the rows that `outcome` takes, and who made them. */
+  async sample(study, options) {
+    const gpu = await this.#gpu;
+    if (gpu) {
+      try {
+        const { rows, notes } = await sampleOnGpu(this, gpu, study, options);
+        return { rows, by: [`WebGPU on ${gpu.name}`, ...notes].join("; ") };
+      } catch (error) {
+        if (isStopped(error) || error.kind === "study") throw error;
+        // What the program refuses, another study may not; a GPU that fails is left alone.
+        if (!(error instanceof Failure)) this.#gpu = null;
+        return this.#onWorkers(study, options, `; not on WebGPU: ${error.message.split("\n")[0]}`);
+      }
+    }
+    return this.#onWorkers(study, options);
+  }
+
+  /** How many workers there are, and how wide their vectors. */
+  async description() {
+    const { lanes } = await this.about;
+    return `${this.shares === 1 ? "1 worker" : `${this.shares} workers`}, ${lanes}`;
+  }
+
+  async #onWorkers(study, { trials, progress, signal }, why = "") {
     const parts = Array.from({ length: this.shares }, () => [0, 0]);
     const sum = (which) => parts.reduce((total, part) => total + part[which], 0);
     const answers = await Promise.all(parts.map((_, at) => this.ask({ call: "share", ...study, trials, number: at + 1, of: this.shares }, {
@@ -85,7 +111,7 @@ class Engine {
         progress?.(sum(0), sum(1));
       },
     })));
-    return answers.map(({ blobs }) => blobs[0]);
+    return { rows: answers.map(({ blobs }) => blobs[0]), by: `${await this.description()}${why}` };
   }
 
   async #next() {
@@ -133,7 +159,6 @@ class Engine {
   }
 }
 
-// A second engine, on WebGPU, would answer `sample` of its own once it has been verified against this one.
 export const engine = new Engine();
 
 export const isStopped = (error) => error.name === "AbortError";

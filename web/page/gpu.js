@@ -1,12 +1,20 @@
 // The GPU of the browser. It runs dispatches that the program has noted, and its answers go back to the program in their order.
 
-/** A GPU on which shares of studies run, or null where the browser offers none. */
+/** Most bytes of the answers of a run, which are in memory together. */
+const MOST_BYTES = 512 * 2 ** 20;
+
+/** A GPU on which shares of studies run, or null where the browser offers none, or only one in software: processors are faster. */
 export async function openGpu() {
   const adapter = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
-  if (!adapter) return null;
+  // With ?webgpu one in software is used too, for tests.
+  const isTested = new URLSearchParams(location.search).has("webgpu");
+  if (!adapter || ((adapter.info?.isFallbackAdapter || /swiftshader|llvmpipe|software/i.test(nameOf(adapter))) && !isTested)) return null;
   const device = await adapter.requestDevice();
-  const { vendor, architecture, description } = adapter.info ?? {};
-  return new Gpu(device, description || [vendor, architecture].filter(Boolean).join(" ") || "WebGPU");
+  return new Gpu(device, nameOf(adapter));
+}
+
+function nameOf({ info: { vendor, architecture, description } = {} }) {
+  return description || [vendor, architecture].filter(Boolean).join(" ") || "a GPU without a name";
 }
 
 /** Trials of a study on the GPU: the rows that `outcome` takes, and what was noted where the GPU failed and a processor went on. */
@@ -31,6 +39,8 @@ class Gpu {
 
   /** The words that each dispatch writes, as bytes. `files` are those of the program's reply, the table of normal numbers first. */
   async run({ shaders, dispatches }, files, { signal, progress } = {}) {
+    const words = dispatches.flatMap(({ outputs }) => outputs.map(([, count]) => count)).reduce((sum, count) => sum + count, 0);
+    if (4 * words > MOST_BYTES) throw new Error("its answers would take more memory than a page has");
     this.#normals ??= this.#buffer(files[0], GPUBufferUsage.STORAGE);
     const answers = [];
     for (const dispatch of dispatches) {

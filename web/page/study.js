@@ -2,6 +2,7 @@
 
 import { Progress, announce, button, byId, copy, element, grouped, seconds, showError, showFiles } from "./elements.js";
 import { engine, isStopped } from "./engine.js";
+import { studyOf } from "./gallery.js";
 import { Sliders, Sweeps } from "./inputs.js";
 import { pack } from "./link.js";
 import { Report } from "./report.js";
@@ -127,7 +128,7 @@ export class StudyView {
     const text = this.text.value;
     this.begun = performance.now();
     try {
-      const { reply } = await engine.ask({ call: "inspect", text, name: `${this.name}.toml` });
+      const { reply } = await engine.ask({ call: "inspect", ...await studyOf(text, this.name) });
       if (text !== this.text.value) {
         this.isWaiting = true;
         return false;
@@ -181,13 +182,13 @@ export class StudyView {
 
   /** Whether the trials were run, and neither failed nor were stopped. */
   async #run(trials) {
-    const study = { text: this.text.value, name: `${this.name}.toml` };
+    const study = await studyOf(this.text.value, this.name);
     const signal = this.progress.begin(`Running ${grouped(trials)} trials`);
     try {
       const begun = performance.now();
-      const rows = await engine.sample(study, { trials, signal, progress: (...part) => this.progress.set(...part) });
+      const { rows, by } = await engine.sample(study, { trials, signal, progress: (...part) => this.progress.set(...part) });
       const answer = await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows, signal });
-      this.ran = { ...study, trials, rows, took: performance.now() - begun, isComplete: false };
+      this.ran = { ...study, trials, rows, by, took: performance.now() - begun, isComplete: false };
       await this.#show(answer, this.ran);
       return true;
     } catch (error) {
@@ -199,10 +200,10 @@ export class StudyView {
   }
 
   async #complete(ran) {
-    const { text, name, trials, rows } = ran;
+    const { text, name, files, trials, rows } = ran;
     const signal = this.progress.begin("Completing the answer");
     try {
-      const answer = await engine.ask({ call: "outcome", text, name, trials, complete: true }, { blobs: rows, signal, progress: (...part) => this.progress.set(...part) });
+      const answer = await engine.ask({ call: "outcome", text, name, files, trials, complete: true }, { blobs: rows, signal, progress: (...part) => this.progress.set(...part) });
       ran.isComplete = true;
       await this.#show(answer, ran);
     } catch (error) {
@@ -218,13 +219,11 @@ export class StudyView {
     byId("study-report").classList.add("stale");
   }
 
-  async #show({ reply, blobs }, { text, name, trials, took }) {
+  async #show({ reply, blobs }, { text, name, trials, by, took }) {
     await this.report.show(blobs[0], this.study?.title ?? this.name);
     const tables = reply.files.map((file, at) => ({ name: file.name, bytes: blobs[at + 1] }));
     showFiles(byId("study-files"), [{ name, bytes: text }, { name: "report.html", bytes: blobs[0] }, ...tables]);
-    const { lanes } = await engine.about;
-    const workers = engine.shares === 1 ? "1 worker" : `${engine.shares} workers`;
-    byId("study-ran").replaceChildren(`${workers}, ${lanes} · ${grouped(trials)} trials per point · ${seconds(took)} · points.csv `,
+    byId("study-ran").replaceChildren(`${by} · ${grouped(trials)} trials per point · ${seconds(took)} · points.csv `,
       element("code", { title: reply.digest }, reply.digest.slice(0, 12)), " · these are the bits of the program");
     announce(reply.headline);
   }

@@ -11,19 +11,10 @@ const [folder, program] = process.argv.slice(2);
 /** Runs in the page: the digest of the points of a study, on so many workers or, with 0, on the GPU. */
 async function pointsOf(study, trials, workers) {
   const { engine } = await import("/engine.js");
-  let rows;
-  if (workers > 0) {
-    engine.shares = workers;
-    rows = await engine.sample(study, { trials });
-  } else {
-    const { openGpu, sampleOnGpu } = await import("/gpu.js");
-    window.gpu ??= await openGpu();
-    if (!window.gpu) return "there is no WebGPU";
-    const found = await sampleOnGpu(engine, window.gpu, study, { trials });
-    if (found.notes.length > 0) return found.notes.join("; ");
-    rows = found.rows;
-  }
-  return (await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows })).reply.digest;
+  if (workers > 0) engine.shares = workers;
+  const { rows, by } = await engine.sample(study, { trials });
+  const { reply } = await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows });
+  return by.startsWith(workers > 0 ? `${workers} worker` : "WebGPU on") && !by.includes(";") ? reply.digest : by;
 }
 
 /** Runs in the page: the SHA-256 of the page and of the tables of a log. */
@@ -49,7 +40,7 @@ const site = await serve(resolve(folder));
 const gallery = JSON.parse(readFileSync(join(folder, "gallery.json")));
 const browser = await Browser.start(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]);
 try {
-  for (const [engine, address, workers] of [["WebGPU", "/", 0], ["SIMD128, 3 workers", "/", 3], ["portable, 1 worker", "/?portable", 1]]) {
+  for (const [engine, address, workers] of [["WebGPU", "/?webgpu", 0], ["SIMD128, 3 workers", "/", 3], ["portable, 1 worker", "/?portable", 1]]) {
     const page = await browser.open(site.origin + address);
     if (workers > 0) expect(`${engine}: kernels`, await page.evaluate(digestOfKernels), kernels());
     for (const { name, study: { trials, ...study }, expected } of studies(gallery)) {

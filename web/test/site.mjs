@@ -2,7 +2,7 @@
 
 import { resolve } from "node:path";
 import { deflateRawSync } from "node:zlib";
-import { Browser, serve } from "./browser.mjs";
+import { Browser, serve, wait } from "./browser.mjs";
 
 const STUDY = `title = "A gap in a vibration"
 question = "Which filler is best?"
@@ -209,7 +209,7 @@ async function outcome(text, trials, shares) {
   const { engine } = await import("/engine.js");
   engine.shares = shares;
   const study = { text, name: "study.toml" };
-  const rows = await engine.sample(study, { trials });
+  const { rows } = await engine.sample(study, { trials });
   const { reply, blobs } = await engine.ask({ call: "outcome", ...study, trials, complete: true }, { blobs: rows });
   const hash = await crypto.subtle.digest("SHA-256", blobs[0]);
   return [reply.digest, ...Array.from(new Uint8Array(hash).slice(0, 8), (byte) => byte.toString(16).padStart(2, "0"))].join("");
@@ -230,11 +230,17 @@ async function named(page, where) {
   check(nameless.length === 0, `${where}: no name for ${nameless.map(({ role }) => role).join(", ")}`);
 }
 
+/** Fails after the time in s that no test takes. */
+async function tooLong(most = 90) {
+  await wait(1000 * most);
+  throw new Error(`it did not end within ${most} s`);
+}
+
 async function run(browser, folder, name) {
   const site = await serve(folder);
   const page = await browser.open(site.origin);
   try {
-    await tests[name](page, site);
+    await Promise.race([tests[name](page, site), tooLong()]);
     check(page.faults.length === 0, `errors in the console: ${page.faults.join("; ")}`);
     console.log(`ok ${name}`);
     return true;
@@ -254,3 +260,5 @@ let failed = 0;
 for (const name of names) if (!(await run(browser, resolve(folder), name))) failed += 1;
 await browser.close();
 process.exitCode = failed > 0 ? 1 : 0;
+// Timers of tests that ended are still running.
+process.exit();
