@@ -272,3 +272,20 @@ fn verify_prints_a_digest_for_each_kernel_and_the_same_ones_again() {
     assert_eq!(kernels, all);
     assert_eq!(desk.done("verify --device cpu --trials 4096").stdout, first);
 }
+
+#[test]
+fn noise_coefficients_are_converted_between_units_and_conventions() {
+    let desk = Desk::with("");
+    let shown = desk.done("convert 0.0135 deg/s/sqrt(Hz)").stdout;
+    for line in [
+        "angle random walk N = 0.0135 deg/s/sqrt(Hz)",
+        "  N                                     0.81 °/√h",
+        "  density of the rate, one-sided        68.7308 °/h/√Hz",
+        "  N, if the density given is one-sided  0.572756 °/√h",
+    ] {
+        assert!(shown.lines().any(|shown| shown == line), "no `{line}` in\n{shown}");
+    }
+    let refused = desk.sagnac("convert 5 s");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("is a time") && refused.stderr.contains("give a number with its unit"));
+}

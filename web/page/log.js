@@ -12,8 +12,8 @@ const EXAMPLE_OPTIONS = { rate: "1 Hz" };
 
 const ANALYSES = [
   { id: "allan", label: "Noise", doing: "Analyzing", command: "allan" },
-  { id: "model", label: "Filter model", doing: "Fitting a filter model", command: "model" },
-  { id: "navigate", label: "Position error", doing: "Simulating a navigator", command: "allan --navigate" },
+  { id: "model", label: "Filter model", doing: "Fitting a filter model", command: "model --overbound --write all" },
+  { id: "navigate", label: "Position error", doing: "Simulating a navigator", command: "allan --navigate 1h" },
 ];
 
 export class LogView {

@@ -10,6 +10,7 @@ use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::outcome::Outcome;
+use sagnac::record::binary::Binary;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Hints, Request, Timing};
 use sagnac::record::log::{Log, Thermometer};
@@ -34,6 +35,10 @@ struct Options {
     data: String,
     /// Names or numbers of the columns, separated by commas.
     column: String,
+    /// Name or number of the column of the time stamps, or `none`.
+    time: String,
+    /// Layout of a raw binary file, such as `f64 x7, little, time 1, rate 3`.
+    binary: String,
     /// Name or number of the column of the temperature.
     temperature: String,
 }
@@ -70,16 +75,19 @@ impl Options {
         };
         let units = parts(&self.unit).map(unit).collect::<Result<Vec<_>, _>>()?;
         let step_s = Some(self.rate.trim()).filter(|rate| !rate.is_empty()).map(step).transpose()?;
-        let timing = Timing::new(step_s, None, None).map_err(|why| Refusal::usage(&why))?;
-        let column = self.temperature.trim().to_owned();
+        let given = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+        let timing = Timing::new(step_s, given(&self.time), None).map_err(|why| Refusal::usage(&why))?;
+        let binary = given(&self.binary).map(|layout| Binary::parse(&layout)).transpose();
+        let binary = binary.map_err(|why| Refusal::usage(&why.to_string()))?;
+        let thermometer = |column| Thermometer { column, unit: None };
         Ok(Request {
             columns: parts(&self.column).map(str::to_owned).collect(),
             timing,
             // A unit that is given is that of a rate unless the kind is given too.
             data: kind.or((!units.is_empty()).then_some(data)),
             units,
-            temperature: (!column.is_empty()).then_some(Thermometer { column, unit: None }),
-            hints: Hints::default(),
+            temperature: given(&self.temperature).map(thermometer),
+            hints: Hints { binary, ..Hints::default() },
         })
     }
 
