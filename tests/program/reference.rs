@@ -10,7 +10,7 @@ use sagnac::table::{About, Role};
 use serde_json::Value;
 
 /// The commands in the order of the help.
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "run",
     "design",
     "sensitivity",
@@ -18,6 +18,7 @@ const COMMANDS: [&str; 17] = [
     "allan",
     "compare",
     "model",
+    "convert",
     "report",
     "merge",
     "check",

@@ -244,7 +244,7 @@ class Curves {
 
   shadeRanges(plot, group) {
     const { top, bottom } = plot.frame;
-    for (const { range } of this.figure.marks ?? []) {
+    for (const { range } of this.on("ranges") ? this.figure.marks ?? [] : []) {
       if (!range || range.some((x) => !Range.shows(plot.log.x, x))) continue;
       const [from, to] = range.map((x) => plot.across(x));
       group.append(shape("rect", { class: "good", x: from, y: top, width: to - from, height: bottom - top }));
@@ -415,6 +415,7 @@ class Curves {
       const sample = figure.series.every((series) => this.hasBars(series)) ? sampleBar("grey") : sampleBand("grey");
       reading.push(entry("bands", [sample], figure.bands || "interval"));
     }
+    if (figure.marks?.some(({ range }) => range)) reading.push(entry("ranges", [shape("rect", { class: "good", x: 0, y: 4, width: 36, height: 10 })], "within 4 % of the marked best"));
     if (figure.limit) reading.push(entry("limit", [sampleLine({ class: "limit" })], figure.limit.label));
     const chosen = figure.chosen.map((text) => element("p", {}, text));
     return element("div", { class: "legend" }, group(figure.colours.title, colours), group(figure.dashes.title, dashes), group(null, laws),
