@@ -6,15 +6,21 @@ let progress = () => {};
 /** Least time in ms between two reports of progress. */
 const PAUSE = 50;
 
+/** The last words of the program before it stopped. */
+let trouble = "";
+
+const OURS = {
+  progress: (done, all) => progress(Number(done), Number(all)),
+  trouble: (address, length) => { trouble = new TextDecoder().decode(new Uint8Array(program.memory.buffer, address, length)); },
+};
+
 /** The page compiles the module once, and each worker makes an instance of it. */
 async function instantiate(module) {
   const imports = {};
   for (const { module: from, name, kind } of WebAssembly.Module.imports(module)) {
     if (kind !== "function") throw new Error(`the module wants a ${kind}, ${from}.${name}`);
     imports[from] ??= {};
-    imports[from][name] = from === "sagnac" && name === "progress"
-      ? (done, all) => progress(Number(done), Number(all))
-      : () => { throw new Error(`${from}.${name} is not there in a browser`); };
+    imports[from][name] = from === "sagnac" ? OURS[name] : () => { throw new Error(`${from}.${name} is not there in a browser`); };
   }
   return (await WebAssembly.instantiate(module, imports)).exports;
 }
@@ -70,6 +76,6 @@ onmessage = async ({ data: { module, request, blobs } }) => {
     postMessage(answer, answer.blobs.map((blob) => blob.buffer));
   } catch (error) {
     // After a trap the instance is unusable: the page ends this worker.
-    postMessage({ reply: { error: { kind: "stopped", text: `The program stopped: ${error.message}` } }, blobs: [] });
+    postMessage({ reply: { error: { kind: "stopped", text: `The program stopped: ${trouble || error.message}` } }, blobs: [] });
   }
 };

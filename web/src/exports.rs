@@ -1,11 +1,26 @@
 //! What WebAssembly exports to a worker of the page.
 
 use std::slice;
+use std::sync::Once;
 
 #[link(wasm_import_module = "sagnac")]
 unsafe extern "C" {
     /// Receives the units of work that are done, and their total.
     fn progress(done: f64, total: f64);
+    /// Receives the last words of the library, as text, before it stops for good.
+    fn trouble(text: *const u8, length: usize);
+}
+
+/// Passes the message of a panic on, which is lost otherwise.
+fn tell_of_panics() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        std::panic::set_hook(Box::new(|panic| {
+            let text = panic.to_string();
+            // SAFETY: the page reads the text before this returns.
+            unsafe { trouble(text.as_ptr(), text.len()) };
+        }));
+    });
 }
 
 /// Room for a message.
@@ -32,6 +47,7 @@ unsafe extern "C" fn release(address: *mut u8, length: usize) {
 unsafe extern "C" fn call(address: *const u8, length: usize) -> u64 {
     // SAFETY: the caller promises it.
     let message = unsafe { slice::from_raw_parts(address, length) };
+    tell_of_panics();
     // SAFETY: the page takes any two numbers.
     let report = |done: u64, total: u64| unsafe { progress(done as f64, total as f64) };
     let reply = Box::leak(crate::call(message, &report).into_boxed_slice());

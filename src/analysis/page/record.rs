@@ -365,7 +365,9 @@ pub(crate) fn means(values: &[f64], parts: usize) -> Vec<(Range<usize>, Option<f
 
 fn stretches(count: usize, parts: usize) -> impl Iterator<Item = Range<usize>> {
     let parts = parts.min(count);
-    (0..parts).map(move |part| part * count / parts..(part + 1) * count / parts)
+    // Products of 64 bits: WebAssembly has lengths of 32.
+    let start = move |part: usize| (part as u64 * count as u64 / parts as u64) as usize;
+    (0..parts).map(move |part| start(part)..start(part + 1))
 }
 
 #[cfg(test)]
