@@ -1,6 +1,6 @@
 // node web/test/node.mjs SITE PROGRAM: holds both modules of the site against the program and the golden tables, in Node.
 
-import { readFileSync } from "node:fs";
+import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { instance } from "../instance.mjs";
 import { agrees, kernels, logs, sha256, studies } from "./digests.mjs";
@@ -27,4 +27,32 @@ for (const file of ["sagnac.wasm", "sagnac_simd.wasm"]) {
     for (const [table, digest] of Object.entries(expected)) expect(`${lanes}: ${name}: ${table}`, sha256(found[table]), digest);
   }
 }
+// Damaged files and files that unpack to gigabytes are refused or read, and end no worker.
+const ask = instance(join(site, "sagnac_simd.wasm"));
+const bombs = readdirSync(new URL("../../tests/data/bombs", import.meta.url)).map((name) => ({ name, bytes: readFileSync(new URL(`../../tests/data/bombs/${name}`, import.meta.url)) }));
+let refused = 0;
+for (const { name, bytes } of [...ofLogs.filter(({ bytes }) => bytes.length < 1e5).flatMap(damaged), ...bombs]) {
+  try {
+    ask({ call: "allan", name, options: { data: "rate", unit: "rad/s", column: "2", rate: "200 Hz" } }, [bytes]);
+  } catch (error) {
+    if (error instanceof WebAssembly.RuntimeError) {
+      console.log(`FAIL ${name}: ${error.message}`);
+      failed += 1;
+      break;
+    }
+    refused += 1;
+  }
+}
+console.log(`ok ${refused} damaged or hostile files were refused`);
 process.exit(failed > 0 ? 1 : 0);
+
+/** A file with bytes changed or cut off at a hundred places. */
+function damaged({ name, bytes }) {
+  return Array.from({ length: 100 }, (_, at) => {
+    const place = Math.floor((at * bytes.length) / 100);
+    if (at % 4 === 3) return { name, bytes: bytes.subarray(0, place) };
+    const copy = Buffer.from(bytes);
+    copy[place] ^= 1 << at % 8;
+    return { name, bytes: copy };
+  });
+}
