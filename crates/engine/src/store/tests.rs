@@ -220,6 +220,33 @@ fn stores_merge_in_any_order_and_any_number_of_times() {
     assert_eq!(store.merge(&source, false).unwrap(), Merged { added: 0, held: 2, damaged: 0 });
 }
 
+#[test]
+fn rows_go_to_another_process_as_bytes_any_number_of_times_and_damaged_ones_are_refused() {
+    let bytes = |rows: &[Row<Moments>]| {
+        let mut store = Store::in_memory(&identity());
+        store.insert(rows, None).unwrap();
+        store.to_bytes().unwrap()
+    };
+    let parts = [bytes(&[row(0, 2)]), bytes(&[row(4, 2), row(8, 1)]), bytes(&[])];
+    let mut whole = Store::in_memory(&identity());
+    for part in [0, 1, 2, 0] {
+        whole.add_bytes(&parts[part]).unwrap();
+    }
+    assert_eq!(whole.total(&address()).unwrap().count, 10);
+    let other = Identity { kernels: "gap_fill 3".to_owned(), ..identity() };
+    let refused = |bytes: &[u8], identity: &Identity| Store::in_memory(identity).add_bytes(bytes).is_err();
+    assert!(refused(&parts[0], &other) && !refused(&parts[0], &identity()));
+    let of_one_row = &parts[0];
+    for length in (0..of_one_row.len()).filter(|length| *length != parts[2].len()) {
+        assert!(refused(&of_one_row[..length], &identity()), "cut to {length}");
+    }
+    for place in 0..of_one_row.len() {
+        let mut damaged = of_one_row.clone();
+        damaged[place] ^= 1;
+        assert!(refused(&damaged, &identity()), "byte {place}");
+    }
+}
+
 /// All rows, as text.
 fn dumped(store: &Store) -> Vec<String> {
     let mut statement = connection(store).prepare(&format!("SELECT {COLUMNS} FROM tally")).unwrap();
