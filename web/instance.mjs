@@ -13,12 +13,12 @@ export function instance(file) {
     };
   }
   const { memory, reserve, release, call } = new WebAssembly.Instance(module, imports).exports;
-  return (request, blobs = []) => {
+  const ask = (request, blobs = []) => {
     const json = Buffer.from(JSON.stringify({ ...request, blobs: blobs.map((blob) => blob.length) }));
     const length = Buffer.alloc(4);
     length.writeUInt32LE(json.length);
     const message = Buffer.concat([length, json, ...blobs]);
-    const address = reserve(message.length);
+    const address = reserve(message.length) >>> 0;
     new Uint8Array(memory.buffer, address, message.length).set(message);
     const place = BigInt.asUintN(64, call(address, message.length));
     release(address, message.length);
@@ -30,4 +30,6 @@ export function instance(file) {
     if (reply.error) throw new Error(reply.error.text);
     return { ...reply, blobs: reply.blobs.map((size) => answer.subarray(from, (from += size))) };
   };
+  ask.bytes = () => memory.buffer.byteLength;
+  return ask;
 }

@@ -4,10 +4,11 @@
 import { createHash } from "node:crypto";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { join, relative } from "node:path";
+import { fileURLToPath } from "node:url";
 import { instance } from "./instance.mjs";
 
 const site = process.argv[2];
-const root = new URL("..", import.meta.url).pathname;
+const root = fileURLToPath(new URL("..", import.meta.url));
 const studies = join(root, "studies");
 
 /** The value of a text at the top of a study. */
@@ -37,6 +38,9 @@ const gallery = readdirSync(studies).filter((name) => name.endsWith(".toml")).so
   return { name, title: value(text, "title"), question: value(text, "question"), kind: value(text, "kind"), picture, text, files: inputs(text) };
 });
 writeFileSync(join(site, "gallery.json"), JSON.stringify(gallery));
+
+const [, digest, units] = readFileSync(join(root, "docs/dev/verified-devices.md"), "utf8").match(/`([0-9a-f]{16})` with `--trials (\d+)`/);
+writeFileSync(join(site, "verified.json"), JSON.stringify({ [units]: digest }));
 mkdirSync(join(site, "example"));
 const example = join(site, "example/gyro_at_rest.csv");
 copyFileSync(join(studies, "data/gyro_at_rest.csv"), example);
@@ -57,4 +61,8 @@ const list = [...filesOf(site)].map((path) => ({
   path: relative(site, path),
   sha256: createHash("sha256").update(readFileSync(path)).digest("hex"),
 }));
-writeFileSync(join(site, "files.json"), JSON.stringify(list.filter(({ path }) => path !== "sw.js")));
+const files = JSON.stringify(list.filter(({ path }) => path !== "sw.js"));
+writeFileSync(join(site, "files.json"), files);
+const worker = readFileSync(join(site, "sw.js"), "utf8");
+if (!worker.includes('"development"')) throw new Error("sw.js has no version to replace");
+writeFileSync(join(site, "sw.js"), worker.replace('"development"', `"${createHash("sha256").update(files).digest("hex")}"`));

@@ -35,9 +35,9 @@ impl Converted {
 /// A convention: what it makes of a value in base units (″, s and g), and the units in which it is written.
 struct Convention {
     name: &'static str,
-    of: fn(f64) -> f64,
+    convert: fn(f64) -> f64,
     units: &'static [&'static str],
-    /// Whether it is of values alone that are written over √Hz.
+    /// Whether it applies only to a value that is given as a density, in a unit over √Hz.
     only_densities: bool,
 }
 
@@ -46,8 +46,12 @@ struct Coefficient {
     conventions: &'static [Convention],
 }
 
-const fn convention(name: &'static str, of: fn(f64) -> f64, units: &'static [&'static str]) -> Convention {
-    Convention { name, of, units, only_densities: false }
+const fn convention(
+    name: &'static str,
+    convert: fn(f64) -> f64,
+    units: &'static [&'static str],
+) -> Convention {
+    Convention { name, convert, units, only_densities: false }
 }
 
 /// The flat minimum of the Allan deviation of flicker of coefficient B, over B: √(2 ln 2/π).
@@ -216,7 +220,11 @@ pub fn convert(text: &str) -> Result<Conversion, UnitError> {
     let mut rows = Vec::new();
     for one in conventions.iter().filter(|one| !one.only_densities || text.contains("Hz")) {
         for &unit in one.units {
-            let value = (one.of)(base) / expression::parse(unit)?.factor;
+            let value = (one.convert)(base) / expression::parse(unit)?.factor;
+            // A negative power density has no root, and a square may be too large.
+            if !value.is_finite() {
+                return Err(UnitError::NotFinite(text.to_owned()));
+            }
             rows.push(Converted { convention: one.name, value, unit });
         }
     }
@@ -270,6 +278,8 @@ mod tests {
             ("fast", "number"),
             ("5 s", "is a time"),
             ("5 deg/furlong", "not a known unit"),
+            ("-4 (deg/s)^2/Hz", "not a finite number"),
+            ("1e200 deg/h/sqrt(Hz)", "not a finite number"),
         ] {
             let error = convert(text).unwrap_err().to_string();
             assert!(error.contains(piece), "{text}: {error}");

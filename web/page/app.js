@@ -14,7 +14,7 @@ const VIEWS = ["log", "studies", "study", "convert", "verify"];
 
 const study = new StudyView();
 const log = new LogView((text, name) => {
-  study.open(text, name);
+  study.open(text, name, true);
   history.pushState(null, "", "#study");
   show("study");
 });
@@ -88,7 +88,7 @@ async function showGallery() {
 async function open(file, second) {
   trouble("");
   if (/\.toml$/i.test(file.name)) {
-    study.open(await file.text(), file.name.replace(/\.toml$/i, ""));
+    study.open(await file.text(), file.name.replace(/\.toml$/i, ""), true);
     history.pushState(null, "", "#study");
     show("study");
     return;
@@ -116,7 +116,8 @@ function dropping() {
     over.hidden = true;
     if (!event.dataTransfer?.files.length) return;
     event.preventDefault();
-    open(...event.dataTransfer.files);
+    const [first, second, ...others] = event.dataTransfer.files;
+    open(first, second).then(() => others.length > 0 && trouble("Two logs are compared; the other files were left out."), (error) => trouble(error.message));
   });
   addEventListener("paste", (event) => {
     if (event.target.closest?.("input, textarea")) return;
@@ -159,9 +160,9 @@ async function introduce() {
 theming();
 skipping();
 dropping();
-addEventListener("hashchange", route);
+addEventListener("hashchange", () => route().catch((error) => trouble(error.message)));
 introduce();
 showGallery().catch(() => announce("The list of studies could not be loaded"));
-route();
+route().catch((error) => trouble(error.message));
 // Without a service worker, as in some private windows, the site works while there is a network.
 navigator.serviceWorker?.register("sw.js").catch(() => {});

@@ -34,6 +34,12 @@ export function showError(host, failure) {
   host.replaceChildren(...(failure ? [element("pre", { tabindex: "0", "aria-label": "Message" }, failure.message)] : []));
 }
 
+/** A word of a command as shells take it; a name that begins with a dash is no option. */
+export function quoted(word) {
+  const named = word.startsWith("-") ? `./${word}` : word;
+  return /^[\w.,:@%+=/-]+$/.test(named) ? named : `'${named.replaceAll("'", `'\\''`)}'`;
+}
+
 /** A table of texts; cells that are numbers or elements are taken as they are. */
 export function table(caption, columns, rows) {
   const heads = columns.map(({ label, isText }) => element("th", { scope: "col", class: isText ? "text" : null }, label));
@@ -56,7 +62,7 @@ export function showFiles(host, files) {
 
 /** Copies a text, and says so on its button for a while. */
 export async function copy(text, from) {
-  const label = from.textContent;
+  from.dataset.label ??= from.textContent;
   try {
     await navigator.clipboard.writeText(text);
     from.textContent = "Copied";
@@ -65,7 +71,7 @@ export async function copy(text, from) {
   }
   announce(from.textContent);
   setTimeout(() => {
-    from.textContent = label;
+    from.textContent = from.dataset.label;
   }, 1500);
 }
 

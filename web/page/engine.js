@@ -34,16 +34,19 @@ async function compile() {
 class Instance {
   constructor(module) {
     this.worker = new Worker("worker.js");
+    this.worker.onerror = ({ message }) => { this.failure = message ?? "The worker could not start"; };
     this.worker.postMessage({ module });
   }
 
   run({ request, blobs, isGiven, progress }) {
+    const stopped = (text) => ({ reply: { error: { kind: "stopped", text } } });
     return new Promise((resolve) => {
+      if (this.failure) resolve(stopped(this.failure));
       this.worker.onmessage = ({ data }) => {
         if (data.progress) progress?.(...data.progress);
         else resolve(data);
       };
-      this.worker.onerror = (event) => resolve({ reply: { error: { kind: "stopped", text: event.message ?? "The worker could not start" } } });
+      this.worker.onerror = ({ message }) => resolve(stopped(message ?? "The worker could not start"));
       this.worker.postMessage({ request, blobs }, isGiven ? blobs.map((blob) => blob.buffer) : []);
     });
   }
@@ -83,10 +86,9 @@ class Engine {
     const gpu = await this.#gpu;
     if (gpu) {
       try {
-        const { rows, notes } = await sampleOnGpu(this, gpu, study, options);
-        return { rows, by: [`WebGPU on ${gpu.name}`, ...notes].join("; ") };
+        return { rows: await sampleOnGpu(this, gpu, study, options), by: `WebGPU on ${gpu.name}` };
       } catch (error) {
-        if (isStopped(error) || error.kind === "study") throw error;
+        if (options.signal?.aborted || error.kind === "study") throw error;
         // What the program refuses, another study may not; a GPU that fails is left alone.
         if (!(error instanceof Failure)) this.#gpu = null;
         return this.#onWorkers(study, options, `; not on WebGPU: ${error.message.split("\n")[0]}`);

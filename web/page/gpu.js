@@ -3,6 +3,8 @@
 /** Most bytes of the answers of a run, which are in memory together. */
 const MOST_BYTES = 512 * 2 ** 20;
 
+const SCOPES = ["validation", "out-of-memory", "internal"];
+
 /** A GPU on which shares of studies run, or null where the browser offers none, or only one in software: processors are faster. */
 export async function openGpu() {
   const adapter = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
@@ -17,13 +19,14 @@ function nameOf({ info: { vendor, architecture, description } = {} }) {
   return description || [vendor, architecture].filter(Boolean).join(" ") || "a GPU without a name";
 }
 
-/** Trials of a study on the GPU: the rows that `outcome` takes, and what was noted where the GPU failed and a processor went on. */
+/** Trials of a study on the GPU: the rows that `outcome` takes. Throws where the GPU fails, or computes other bits than a processor. */
 export async function sampleOnGpu(engine, gpu, study, { trials, progress, signal }) {
   const share = { ...study, trials, number: 1, of: 1 };
   const noted = await engine.ask({ call: "gpu_dispatches", ...share }, { signal });
   const answers = await gpu.run(noted.reply, noted.blobs, { signal, progress });
   const { reply, blobs } = await engine.ask({ call: "gpu_share", ...share }, { blobs: answers, isGiven: true, signal });
-  return { rows: [blobs[0]], notes: reply.notes };
+  if (reply.notes.length > 0) throw new Error(reply.notes.join("; "));
+  return blobs;
 }
 
 class Gpu {
@@ -52,9 +55,24 @@ class Gpu {
     return answers;
   }
 
-  async #dispatch(shader, { hasNormals, inputs, scratch, outputs, passes }, files) {
-    const pipeline = await this.#pipeline(shader);
+  /** Runs a dispatch. Errors of WebGPU are not exceptions: without these scopes a dispatch that failed would answer zeros. */
+  async #dispatch(...dispatch) {
     const owned = [];
+    SCOPES.forEach((scope) => this.device.pushErrorScope(scope));
+    try {
+      return await this.#answer(owned, ...dispatch);
+    } catch (error) {
+      // Mapping fails so where the GPU is lost; it is no stop of the reader's.
+      throw new Error(`the GPU failed: ${error.message}`);
+    } finally {
+      owned.forEach((buffer) => buffer.destroy());
+      const wrong = (await Promise.all(SCOPES.map(() => this.device.popErrorScope()))).find(Boolean);
+      if (wrong) throw new Error(`the GPU refused the work: ${wrong.message}`);
+    }
+  }
+
+  async #answer(owned, shader, { hasNormals, inputs, scratch, outputs, passes }, files) {
+    const pipeline = await this.#pipeline(shader);
     const own = (buffer) => (owned.push(buffer), buffer);
     const bound = (binding, buffer) => ({ binding, resource: { buffer } });
     const results = outputs.map(([binding, words]) => ({
@@ -88,9 +106,7 @@ class Gpu {
       this.device.queue.submit([encoder.finish()]);
     }
     await read.mapAsync(GPUMapMode.READ);
-    const bytes = new Uint8Array(read.getMappedRange().slice(0));
-    owned.forEach((buffer) => buffer.destroy());
-    return bytes;
+    return new Uint8Array(read.getMappedRange().slice(0));
   }
 
   async #pipeline(code) {

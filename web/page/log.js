@@ -1,6 +1,6 @@
 // The view of a log: what was read, its noise, and what follows from the noise.
 
-import { Progress, announce, button, byId, copy, element, grouped, seconds, showError, showFiles } from "./elements.js";
+import { Progress, announce, button, byId, copy, element, grouped, quoted, seconds, showError, showFiles } from "./elements.js";
 import { engine, isStopped } from "./engine.js";
 import { Report } from "./report.js";
 
@@ -47,6 +47,7 @@ export class LogView {
 
   async example() {
     const response = await fetch("example/gyro_at_rest.csv");
+    if (!response.ok) throw new Error(`The example could not be loaded (${response.status})`);
     this.open(new File([await response.blob()], "gyro_at_rest.csv"), EXAMPLE_OPTIONS);
   }
 
@@ -77,6 +78,7 @@ export class LogView {
   }
 
   #refuse(file) {
+    this.progress.abort();
     this.#name(file.name);
     this.#clear();
     this.file = null;
@@ -129,11 +131,11 @@ export class LogView {
     if (!isStopped(error)) showError(byId("log-error"), error);
   }
 
-  /** Opens the form at the option that the message names first. */
+  /** Opens the form at the option that the message asks for first. */
   #askForOptions({ message }) {
     byId("log-options").open = true;
-    const named = /\b(unit|rate|data|column|temperature): /.exec(message)?.[1] ?? "unit";
-    this.form.elements[named].focus();
+    const named = /no column is called|choose|columns/.test(message.split("\n")[0]) ? "column" : /\b(unit|rate|data|column|temperature|time_unit|time|binary): /.exec(message)?.[1] ?? "unit";
+    this.form.elements[named.replace("_", "-")].focus();
   }
 
   #facts({ samples, step_s: step, rate, data, columns, notes }) {
@@ -218,6 +220,10 @@ export class LogView {
 
   async #compare(file) {
     this.#comparing(false);
+    if (this.file.size + file.size > MOST_BYTES) {
+      showError(byId("log-error"), new Error(`Both logs together have more than ${MOST_BYTES / 1e6} MB.\nThe program compares them in a terminal:\n\n    sagnac compare ${quoted(this.file.name)} ${quoted(file.name)}`));
+      return;
+    }
     this.other = file;
     this.#pressed("compare");
     await this.#show(`Comparing ${this.file.name} with ${file.name}`, { call: "compare", names: [this.file.name, file.name] }, [this.file, file], "");
@@ -227,10 +233,11 @@ export class LogView {
     const { file } = this;
     const signal = this.progress.begin("Writing a study with this noise");
     try {
-      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
+      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options(), simulated: true }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.openStudy(reply.text, file.name.replace(/\.\w+$/, ""));
     } catch (error) {
       this.#failed(error);
+      if (error.kind === "usage") this.#askForOptions(error);
     } finally {
       this.progress.end(signal);
     }
@@ -246,6 +253,3 @@ function length(duration) {
   const [size, unit] = [[86400, "d"], [3600, "h"], [60, "min"]].find(([size]) => duration >= 2 * size) ?? [1, "s"];
   return `${significant(duration / size)} ${unit}`;
 }
-
-/** A word of a shell. */
-const quoted = (text) => (/^[\w.,/-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);

@@ -14,6 +14,8 @@ export function setTheme(theme) {
 }
 
 export class Report {
+  #removed = () => {};
+
   constructor(host) {
     this.host = host;
     this.frame = null;
@@ -22,11 +24,15 @@ export class Report {
 
   /** Shows a report in place of the one before, once its charts are drawn. */
   async show(html, title) {
-    this.incoming?.remove();
+    this.#cancel();
     const url = URL.createObjectURL(new Blob([html], { type: "text/html" }));
     const frame = element("iframe", { title: `Report: ${title}`, src: url, class: "incoming", allow: "clipboard-write" });
     this.incoming = frame;
-    const loaded = new Promise((resolve) => frame.addEventListener("load", resolve, { once: true }));
+    const loaded = new Promise((resolve) => {
+      frame.addEventListener("load", resolve, { once: true });
+      // A frame that is removed before never loads.
+      this.#removed = resolve;
+    });
     this.host.append(frame);
     await loaded;
     URL.revokeObjectURL(url);
@@ -42,9 +48,15 @@ export class Report {
   }
 
   clear() {
-    this.incoming?.remove();
+    this.#cancel();
     this.frame?.remove();
-    this.incoming = this.frame = null;
+    this.frame = null;
+  }
+
+  #cancel() {
+    this.incoming?.remove();
+    this.incoming = null;
+    this.#removed();
   }
 
   adapt() {
@@ -52,8 +64,9 @@ export class Report {
     if (!page) return;
     const theme = document.documentElement.dataset.theme;
     if (theme) page.documentElement.dataset.theme = theme;
-    // The site has title, navigation and switch of its own.
-    for (const part of page.querySelectorAll("body > header, .skip")) part.style.display = "none";
+    // The site has title, navigation and switch of its own, and links to a chart lead to the file of a report.
+    const links = [...page.querySelectorAll("button")].filter((made) => made.title.startsWith("Copy a link to this chart"));
+    for (const part of [...page.querySelectorAll("body > header, .skip"), ...links]) part.style.display = "none";
   }
 }
 

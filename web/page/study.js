@@ -1,6 +1,6 @@
 // The view of a study: its text with sliders beside it, and its answer as they change.
 
-import { Progress, announce, button, byId, copy, element, grouped, seconds, showError, showFiles } from "./elements.js";
+import { Progress, announce, button, byId, copy, element, grouped, quoted, seconds, showError, showFiles } from "./elements.js";
 import { engine, isStopped } from "./engine.js";
 import { studyOf } from "./gallery.js";
 import { Sliders, Sweeps } from "./inputs.js";
@@ -40,10 +40,11 @@ export class StudyView {
     byId("study-source").open = !matchMedia("(max-width: 860px)").matches;
   }
 
-  open(text, name) {
+  /** Shows a study; one that is not shipped `isOwn`, and the address will hold it. */
+  open(text, name, isOwn = false) {
     this.progress.abort();
     this.name = name;
-    this.isEdited = false;
+    this.isEdited = isOwn;
     this.ran = null;
     this.few = LIVE_TRIALS;
     this.text.value = text;
@@ -118,9 +119,13 @@ export class StudyView {
 
   /** The address holds the text from now on, so that reloading and going back keep it. */
   async #rested() {
-    if (byId("view-study").hidden) return;
-    if (this.isEdited) history.replaceState(null, "", await this.link());
-    await this.#refine(Math.min(this.study.trials, RESTED_TRIALS));
+    const { study } = this;
+    const isHere = () => !byId("view-study").hidden && this.study === study && study !== null;
+    if (!isHere()) return;
+    const link = await this.link();
+    if (!isHere()) return;
+    if (this.isEdited) history.replaceState(null, "", link);
+    await this.#refine(Math.min(study.trials, RESTED_TRIALS));
   }
 
   /** Whether there is an answer to the text. */
@@ -188,7 +193,7 @@ export class StudyView {
       const begun = performance.now();
       const { rows, by } = await engine.sample(study, { trials, signal, progress: (...part) => this.progress.set(...part) });
       const answer = await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows, signal });
-      this.ran = { ...study, trials, rows, by, took: performance.now() - begun, isComplete: false };
+      this.ran = { ...study, trials, rows, by, took: performance.now() - begun, isComplete: !answer.reply.is_partial };
       await this.#show(answer, this.ran);
       return true;
     } catch (error) {
@@ -223,7 +228,7 @@ export class StudyView {
     await this.report.show(blobs[0], this.study?.title ?? this.name);
     const tables = reply.files.map((file, at) => ({ name: file.name, bytes: blobs[at + 1] }));
     showFiles(byId("study-files"), [{ name, bytes: text }, { name: "report.html", bytes: blobs[0] }, ...tables]);
-    byId("study-ran").replaceChildren(`${by} · ${grouped(trials)} trials per point · ${seconds(took)} · points.csv `,
+    byId("study-ran").replaceChildren(`${this.study?.is_sampled === false ? "closed forms" : `${by} · ${grouped(trials)} trials per point`} · ${seconds(took)} · points.csv `,
       element("code", { title: reply.digest }, reply.digest.slice(0, 12)), " · these are the bits of the program");
     announce(reply.headline);
   }
@@ -231,7 +236,7 @@ export class StudyView {
   #buttons() {
     this.all = button("Run all trials", "Run as many trials as the study says", () => {
       clearTimeout(this.resting);
-      this.#refine(this.study.trials);
+      if (this.study) this.#refine(this.study.trials);
     }, { hidden: true });
     byId("study-actions").append(
       this.all,
@@ -248,6 +253,6 @@ export class StudyView {
 
   #command() {
     const fewer = this.ran && this.study && this.ran.trials !== this.study.trials ? ` --trials ${this.ran.trials}` : "";
-    return `sagnac run ${this.name}.toml${fewer}`;
+    return `sagnac run ${quoted(`${this.name}.toml`)}${fewer}`;
   }
 }

@@ -11,7 +11,7 @@ let trouble = "";
 
 const OURS = {
   progress: (done, all) => progress(Number(done), Number(all)),
-  trouble: (address, length) => { trouble = new TextDecoder().decode(new Uint8Array(program.memory.buffer, address, length)); },
+  trouble: (address, length) => { trouble = new TextDecoder().decode(new Uint8Array(program.memory.buffer, address >>> 0, length)); },
 };
 
 /** The page compiles the module once, and each worker makes an instance of it. */

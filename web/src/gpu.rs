@@ -19,9 +19,19 @@ use crate::message::{Refusal, Reply};
 /// Work of a batch, in trials' steps and in records.
 const BATCH: Budget = Budget { steps: 1 << 26, records: 1024 };
 
+/// Most words of the dispatches of a share, which are in memory together.
+const MAX_WORDS: usize = 1 << 26;
+
 /// Notes dispatches, of which nothing is known yet.
 #[derive(Clone, Default)]
-struct Recorder(Arc<Mutex<Vec<Dispatch>>>);
+struct Recorder(Arc<Mutex<Noted>>);
+
+#[derive(Default)]
+struct Noted {
+    dispatches: Vec<Dispatch>,
+    /// Words of all of them, also of those that were too many to be kept.
+    words: usize,
+}
 
 impl Runner for Recorder {
     fn name(&self) -> String {
@@ -29,7 +39,12 @@ impl Runner for Recorder {
     }
 
     fn run(&mut self, dispatch: Dispatch) -> Result<Option<Vec<u32>>, String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(dispatch);
+        let mut noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let inputs = dispatch.inputs.iter().map(|(_, words)| words.len());
+        noted.words += inputs.sum::<usize>() + dispatch.words() + dispatch.shader.len() / 4;
+        if noted.words <= MAX_WORDS {
+            noted.dispatches.push(dispatch);
+        }
         Ok(None)
     }
 }
@@ -84,6 +99,9 @@ pub(crate) fn dispatches(plan: &Plan, share: Share, progress: &dyn Progress) -> 
     let recorder = Recorder::default();
     run(plan, share, Box::new(recorder.clone()), false, progress)?;
     let noted = std::mem::take(&mut *recorder.0.lock().unwrap_or_else(PoisonError::into_inner));
+    if noted.words > MAX_WORDS {
+        return Err(Refusal::usage("the work for the GPU would take more memory than a page has"));
+    }
     let mut shaders: Vec<String> = vec![];
     let mut files: Vec<Vec<u8>> = vec![bytes(NORMAL_TABLE.as_flattened())];
     let mut file = |words: &[u32]| -> usize {
@@ -91,6 +109,7 @@ pub(crate) fn dispatches(plan: &Plan, share: Share, progress: &dyn Progress) -> 
         files.len() - 1
     };
     let all: Vec<Value> = noted
+        .dispatches
         .iter()
         .map(|dispatch| {
             let shader = shaders.iter().position(|text| *text == dispatch.shader).unwrap_or_else(|| {

@@ -37,6 +37,9 @@ struct Options {
     column: String,
     /// Name or number of the column of the time stamps, or `none`.
     time: String,
+    /// Unit of the time stamps, such as `ms`.
+    #[serde(rename = "time-unit")]
+    time_unit: String,
     /// Layout of a raw binary file, such as `f64 x7, little, time 1, rate 3`.
     binary: String,
     /// Name or number of the column of the temperature.
@@ -76,7 +79,8 @@ impl Options {
         let units = parts(&self.unit).map(unit).collect::<Result<Vec<_>, _>>()?;
         let step_s = Some(self.rate.trim()).filter(|rate| !rate.is_empty()).map(step).transpose()?;
         let given = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
-        let timing = Timing::new(step_s, given(&self.time), None).map_err(|why| Refusal::usage(&why))?;
+        let timing = Timing::new(step_s, given(&self.time), given(&self.time_unit))
+            .map_err(|why| Refusal::usage(&why))?;
         let binary = given(&self.binary).map(|layout| Binary::parse(&layout)).transpose();
         let binary = binary.map_err(|why| Refusal::usage(&why.to_string()))?;
         let thermometer = |column| Thermometer { column, unit: None };
@@ -194,6 +198,14 @@ impl OneLog {
     /// A study that simulates records with the noise of the log.
     pub(crate) fn study(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
         let log = self.options.read(&self.name, files.first())?;
+        let names: Vec<&str> = log.channels.iter().map(|channel| channel.name.as_str()).collect();
+        let [column] = names[..] else {
+            let message = format!(
+                "a study simulates one gyro, and the log has several columns\ngive one of {}",
+                names.join(", ")
+            );
+            return Err(Refusal::usage(&message));
+        };
         let outcome = self.analyzed(files, None, progress)?;
         let is_noise = |(name, _): &&(String, Vec<u8>)| name.starts_with("noise") && name.ends_with(".toml");
         let (_, noise) = outcome.files.iter().find(is_noise).ok_or_else(|| {
@@ -201,13 +213,13 @@ impl OneLog {
                 "no coefficients describe the log\nonly a fit that describes its curve can be simulated",
             )
         })?;
-        let noise = String::from_utf8_lossy(noise).replace("\n[", "\n[noise.");
-        let title = format!("Records like {}", self.name).replace(['"', '\\'], "'");
+        let noise = format!("\n{}", String::from_utf8_lossy(noise)).replace("\n[", "\n[noise.");
+        let title = format!("Records like {column} of {}", self.name).replace(['"', '\\'], "'");
         let [step, length] = [log.step_s, log.step_s * log.samples() as f64]
             .map(|seconds| format!("{} s", significant(seconds, 9)));
         let text = format!(
             "title = \"{title}\"\nquestion = \"How well does such a record show the coefficients?\"\nkind = \"allan\"\ntrials = 200\n\n\
-             [record]\nsample = \"{step}\"\nlength = \"{length}\"\n\n[allan]\nfit = \"auto\"\n\n[noise]\n{noise}"
+             [record]\nsample = \"{step}\"\nlength = \"{length}\"\n\n[allan]\nfit = \"auto\"\n\n[noise]{noise}"
         );
         Ok(Reply::new(json!({ "text": text })))
     }

@@ -6,7 +6,7 @@ import { join, resolve } from "node:path";
 import { Browser, serve } from "./browser.mjs";
 import { agrees, kernels, logs, studies } from "./digests.mjs";
 
-const [folder, program] = process.argv.slice(2);
+const [folder, program] = process.argv.slice(2).map((path) => resolve(path));
 
 /** Runs in the page: the digest of the points of a study, on so many workers or, with 0, on the GPU. */
 async function pointsOf(study, trials, workers) {
@@ -29,20 +29,22 @@ async function filesOf(name, letters, options) {
 
 async function digestOfKernels() {
   const { engine } = await import("/engine.js");
-  return (await engine.ask({ call: "verify", units: 4096 })).reply.digest;
+  const { digest, rows } = (await engine.ask({ call: "verify", units: 4096 })).reply;
+  const other = rows.filter(({ identical }) => !identical).map(({ kernel }) => kernel);
+  return other.length === 0 ? `${digest} by ${(await engine.about).lanes}` : `another width differs in ${other.join(", ")}`;
 }
 
 let failed = 0;
 const expect = (name, found, expected) => {
   if (!agrees(name, found, expected)) failed += 1;
 };
-const site = await serve(resolve(folder));
+const site = await serve(folder);
 const gallery = JSON.parse(readFileSync(join(folder, "gallery.json")));
 const browser = await Browser.start(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]);
 try {
   for (const [engine, address, workers] of [["WebGPU", "/?webgpu", 0], ["SIMD128, 3 workers", "/", 3], ["portable, 1 worker", "/?portable", 1]]) {
     const page = await browser.open(site.origin + address);
-    if (workers > 0) expect(`${engine}: kernels`, await page.evaluate(digestOfKernels), kernels());
+    if (workers > 0) expect(`${engine}: kernels`, await page.evaluate(digestOfKernels), `${kernels()} by ${engine.split(",")[0]}`);
     for (const { name, study: { trials, ...study }, expected } of studies(gallery)) {
       expect(`${engine}: ${name}`, await page.evaluate(pointsOf, study, trials, workers), expected);
     }

@@ -15,7 +15,9 @@ export const wait = (milliseconds) => new Promise((resolve) => setTimeout(resolv
 
 /** Serves a folder on a free port of 127.0.0.1; `close` ends it with all its connections. */
 export async function serve(folder) {
+  const requests = [];
   const server = createServer((request, response) => {
+    requests.push(request.url);
     const path = decodeURIComponent(new URL(request.url, "http://localhost").pathname);
     const file = join(folder, normalize(path.endsWith("/") ? `${path}index.html` : path));
     if (!statSync(file, { throwIfNoEntry: false })?.isFile()) {
@@ -29,7 +31,7 @@ export async function serve(folder) {
     server.close(resolve);
     server.closeAllConnections();
   });
-  return { origin: `http://127.0.0.1:${server.address().port}`, close };
+  return { origin: `http://127.0.0.1:${server.address().port}`, close, requests };
 }
 
 /** Chromium with a fresh profile, driven over a pipe. */

@@ -28,6 +28,8 @@ list = [1, 2, 3]
 
 const VIEWS = ["log", "studies", "study", "convert", "verify"];
 const shown = (view) => `!document.getElementById("view-${view}").hidden`;
+/** Whether the service worker has all files and serves the page. */
+const IS_KEPT = `navigator.serviceWorker.ready.then((registration) => registration.active?.state === "activated" && Boolean(navigator.serviceWorker.controller))`;
 const linkOf = (text) => `#s=${deflateRawSync(text).toString("base64url")}`;
 
 function check(condition, why) {
@@ -103,19 +105,26 @@ const tests = {
     page.faults.length = 0;
   },
 
-  async no_request_leaves_the_site(page, { origin }) {
+  async nothing_is_asked_of_any_server_after_loading(page, { origin, requests }) {
+    await page.until(IS_KEPT, "the service worker");
+    const before = requests.length;
     await page.evaluate(`document.getElementById("example").click()`);
     await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example");
+    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
+    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
     for (const view of ["studies", "convert", "verify"]) {
       await page.evaluate((name) => { location.hash = name; }, view);
       await page.until(shown(view), `view ${view}`);
     }
+    // The browser itself asks whether the service worker is the newest.
+    const asked = requests.slice(before).filter((url) => url !== "/sw.js");
+    check(asked.length === 0, `the server was asked for ${asked.join(", ")}`);
     const strangers = page.strangers(origin);
     check(strangers.length === 0, `requests to ${strangers.join(", ")}`);
   },
 
   async the_site_works_offline_after_the_first_visit(page, site) {
-    await page.until(`navigator.serviceWorker.ready.then((registration) => registration.active?.state === "activated" && Boolean(navigator.serviceWorker.controller))`, "the service worker");
+    await page.until(IS_KEPT, "the service worker");
     await site.close();
     await page.reload();
     await page.evaluate(`document.getElementById("example").click()`);

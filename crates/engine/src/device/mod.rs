@@ -157,8 +157,9 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
             Device::Gpu(gpu) => gpu.map(map, items),
-            // Building blocks are verified on devices of the program alone.
-            Device::Remote(_) => Ok((map.cpu)(Width::widest(), items)),
+            Device::Remote(_) => {
+                Err(GpuError::Refused("building blocks run on devices of the program alone".to_owned()))
+            }
             Device::Group(group) => group.first().map(map, items),
         }
     }
