@@ -34,6 +34,9 @@ async function digestOfKernels() {
   return other.length === 0 ? `${digest} by ${(await engine.about).lanes}` : `another width differs in ${other.join(", ")}`;
 }
 
+/** Trials of a study on a GPU in software. */
+const FEW = 4;
+
 let failed = 0;
 const expect = (name, found, expected) => {
   if (!agrees(name, found, expected)) failed += 1;
@@ -42,17 +45,23 @@ const site = await serve(folder);
 const gallery = JSON.parse(readFileSync(join(folder, "gallery.json")));
 const browser = await Browser.start(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]);
 try {
-  for (const [engine, address, workers] of [["WebGPU", "/?webgpu", 0], ["SIMD128, 3 workers", "/", 3], ["portable, 1 worker", "/?portable", 1]]) {
+  for (const [engine, address, workers] of [["SIMD128, 3 workers", "/", 3], ["portable, 1 worker", "/?portable", 1]]) {
     const page = await browser.open(site.origin + address);
-    if (workers > 0) expect(`${engine}: kernels`, await page.evaluate(digestOfKernels), `${kernels()} by ${engine.split(",")[0]}`);
+    expect(`${engine}: kernels`, await page.evaluate(digestOfKernels), `${kernels()} by ${engine.split(",")[0]}`);
     for (const { name, study: { trials, ...study }, expected } of studies(gallery)) {
       expect(`${engine}: ${name}`, await page.evaluate(pointsOf, study, trials, workers), expected);
     }
-    for (const { name, bytes, options, expected } of workers > 0 ? logs(program) : []) {
+    for (const { name, bytes, options, expected } of logs(program)) {
       const found = await page.evaluate(filesOf, name, bytes.toString("base64"), options);
       for (const [file, digest] of Object.entries(expected)) expect(`${engine}: ${name}: ${file}`, found[file], digest);
     }
     await page.close();
+  }
+  // A GPU in software is slow: it makes few trials, as many as workers make beside it.
+  const [gpu, workers] = [await browser.open(`${site.origin}/?webgpu`), await browser.open(site.origin)];
+  for (const { name, study: { trials, ...study } } of studies(gallery)) {
+    const few = Math.min(trials, FEW);
+    expect(`WebGPU: ${name}`, await gpu.evaluate(pointsOf, study, few, 0), await workers.evaluate(pointsOf, study, few, 3));
   }
 } finally {
   await browser.close();

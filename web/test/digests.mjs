@@ -17,7 +17,7 @@ const TRIALS = 512;
 
 /** Studies of each kind, some with files; lock-in has few trials. */
 const STUDIES = [
-  "smoke", "design_point", "sawtooth", "relock_noise", "quantizer", "lgk400_vs_lgv1", "lock_in_static", "optimal_interval", "suspension",
+  "smoke", "design_point", "sawtooth", "relock_noise", "quantizer", "lgk400_vs_lgv1", "lgv1_lock_in", "optimal_interval", "suspension",
   "gyrocompass",
 ];
 
