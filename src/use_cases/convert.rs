@@ -21,7 +21,7 @@ pub struct Converted {
     pub convention: &'static str,
     /// The number.
     pub value: f64,
-    /// Its unit.
+    /// The unit of the number.
     pub unit: &'static str,
 }
 

@@ -9,7 +9,7 @@ use sagnac_engine::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac_engine::store::Store;
 use sagnac_report::page::document::Provenance;
 
-/// How far a study is sampled, and by what.
+/// The state of the sampling of a study.
 #[derive(Debug, Clone, Default)]
 pub struct Sampled {
     /// The work of the run that has ended, and the name of its device; `None` where nothing ran.

@@ -97,7 +97,7 @@ class Engine {
     return this.#onWorkers(study, options);
   }
 
-  /** How many workers there are, and how wide their vectors. */
+  /** Names the number of workers and the width of their vectors. */
   async description() {
     const { lanes } = await this.about;
     return `${this.shares === 1 ? "1 worker" : `${this.shares} workers`}, ${lanes}`;

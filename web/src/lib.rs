@@ -24,7 +24,7 @@ use serde_json::{Value, json};
 
 use crate::message::{Message, Refusal, Reply};
 
-/// What a page asks for, by the name in `call`.
+/// A request of the page, which `call` names.
 #[derive(Deserialize)]
 #[serde(tag = "call", rename_all = "snake_case")]
 enum Request {

@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 
 use crate::message::{Refusal, Reply, in_page};
 
-/// How a log is to be read; what is empty is as the file says.
+/// The options for reading a log; an empty one leaves the choice to the file.
 #[derive(Deserialize, Default)]
 #[serde(default)]
 struct Options {
@@ -128,7 +128,7 @@ fn fitting() -> Option<Fitting> {
 }
 
 impl OneLog {
-    /// What is recognised of the file.
+    /// Lists the columns, the rate and the number of samples that were recognized in the file.
     pub(crate) fn columns(&self, files: &[&[u8]]) -> Result<Reply, Refusal> {
         let log = self.options.read(&self.name, files.first())?;
         let column = |channel: &sagnac::record::log::Channel| -> Value {

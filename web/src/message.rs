@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 /// Width of messages, in columns.
 const WIDTH: usize = 100;
 
-/// What a page asks for: its JSON, with the files that belong to it.
+/// A request of the page: a JSON value with the files that belong to it.
 pub(crate) struct Message<'a> {
     pub(crate) json: Value,
     pub(crate) files: Vec<&'a [u8]>,
@@ -39,7 +39,7 @@ impl Message<'_> {
     }
 }
 
-/// What the library answers.
+/// An answer of the library: a JSON value with files.
 pub(crate) struct Reply {
     json: Value,
     files: Vec<Vec<u8>>,

@@ -33,7 +33,7 @@ struct Source {
     trials: Option<u64>,
 }
 
-/// What a study is about, and the numbers in it that a slider can change.
+/// Asks for the title, question and sweeps of a study, and for the numbers in it that a slider can change.
 #[derive(Deserialize)]
 pub(crate) struct Inspect {
     #[serde(flatten)]
@@ -91,7 +91,7 @@ impl Sample {
         Share::new(self.number, self.of).ok_or_else(missing)
     }
 
-    /// What the GPU of the browser has to do.
+    /// Lists the dispatches that the GPU of the browser has to run.
     pub(crate) fn dispatches(&self, progress: &dyn Progress) -> Result<Reply, Refusal> {
         let study = self.source.read()?;
         gpu::dispatches(&Plan::new(&study)?, self.share()?, progress)

@@ -39,7 +39,7 @@ fn headline(name: &str, level: f64, off: &str, limit: Option<f64>) -> String {
     }
 }
 
-/// How far frequencies may be off, in a few words.
+/// The words for the largest deviation of frequencies, such as `f ±5 %`.
 fn off(shift: Option<f64>) -> String {
     match shift {
         Some(shift) => format!("f ±{} %", significant(100.0 * shift, 3)),

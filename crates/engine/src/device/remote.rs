@@ -47,7 +47,7 @@ pub struct Dispatch {
     pub scratch: Vec<(u32, usize)>,
     /// Storage of zeros whose words are the results, one after the other.
     pub outputs: Vec<(u32, usize)>,
-    /// Its passes, which run in order over the same storage.
+    /// The passes of the dispatch, which run in order over the same storage.
     pub passes: Vec<Pass>,
 }
 
@@ -67,7 +67,7 @@ impl Dispatch {
     }
 }
 
-/// What runs dispatches.
+/// A runner of dispatches, such as the GPU of a browser.
 pub trait Runner: Send {
     /// Name of the device.
     fn name(&self) -> String;
