@@ -17,6 +17,7 @@ pub mod navigators;
 pub(crate) mod noise_of_record;
 pub(crate) mod notch;
 pub mod page;
+pub(crate) mod question;
 pub mod requirement;
 pub mod sensitivity;
 pub mod spectrum;

@@ -1,8 +1,9 @@
 //! Answers from features of curves: where records show a coefficient, minima, and peaks.
 
-use crate::analysis::answer::options::{Least, curves_at_least, heading, sort_best_first};
-use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table};
+use crate::analysis::answer::options::{Least, curves_at_least, heading, sort_curves};
+use crate::analysis::answer::{Line, Named, Outline, at, headline, table};
 use crate::analysis::notch::Notches;
+use crate::analysis::question::Question;
 use sagnac_base::table::{Column, between};
 use sagnac_engine::kinds::allan::columns::is_absent;
 use sagnac_report::answer::reading::percent_of;
@@ -72,7 +73,7 @@ pub(super) fn outline_of_minimum(question: &Question, x: &Column) -> Outline {
     let curves = choices.iter().flat_map(|choice| choice.rows.iter().map(Vec::as_slice));
     let notches = Notches::new(x, question.y, curves);
     let mut found = curves_at_least(question, x, &choices, |place| notches.are_at(place));
-    sort_best_first(question, &mut found);
+    sort_curves(question, &mut found);
     let line = |least: &Least| {
         let value = question.reading(least.row);
         let interval = value.interval_text().unwrap_or_default();

@@ -1,6 +1,7 @@
 //! Answers against a limit: up to where each curve of options is good enough, and which part of a map is.
 
-use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, options, sampled, table};
+use crate::analysis::answer::{Line, Named, Outline, at, headline, options, sampled, table};
+use crate::analysis::question::{Question, Standing, sort_best_first};
 use sagnac_base::table::{Column, Window, windows};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, joined, number, range, span, symbol};
@@ -38,9 +39,10 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
     // Conditions have no best one, and keep their order.
     let is_chosen = !question.options.is_empty();
     if is_chosen {
-        order.sort_by(|&a, &b| {
-            let usable = choices[b].is_usable.cmp(&choices[a].is_usable);
-            usable.then(within(b).cmp(&within(a))).then(largest(a).total_cmp(&largest(b)))
+        sort_best_first(&mut order, |&at| Standing {
+            is_usable: choices[at].is_usable,
+            met: within(at),
+            cost: largest(at),
         });
     }
     let conditions = question.columns();

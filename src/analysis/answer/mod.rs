@@ -9,54 +9,21 @@ mod options;
 
 use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
-use crate::analysis::decision::best_option::{Bandless, apart, is_given, less_is_better, usual_filter};
+use crate::analysis::question::{Bandless, Question, apart, is_given, less_is_better, usual_filter};
 use crate::view::from_table::axis_unit;
 use crate::view::picture::{Drawn, refused};
-use crate::view::stack::{CURVE, Shown};
+use crate::view::stack::Shown;
 use sagnac_base::diagnostics::{StudyError, listed};
-use sagnac_base::table::{
-    Cell, Column, ColumnError, Role, Table, Usual, between, crossing_fraction, grouped, worded,
-};
+use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, between, crossing_fraction};
 use sagnac_engine::chart::{Chart, Limit, Source};
 use sagnac_engine::run::Tables;
 use sagnac_engine::study::Study;
-use sagnac_report::answer::reading::{begun, joined, labelled, place, shown, symbol};
+use sagnac_report::answer::reading::{begun, joined, place, shown, symbol};
 use sagnac_report::answer::{
     Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status,
 };
 use sagnac_report::chart::Picture;
 use sagnac_report::chart::figure::{Mark, Shape};
-
-/// The rows that answer the question of a study.
-pub(super) struct Question<'t> {
-    pub(super) table: &'t Table,
-    /// The abscissa of the curves, where there is one.
-    pub(super) x: Option<&'t Column>,
-    /// The abscissa of its chart, which may follow from `x`.
-    axis: Option<&'t Column>,
-    /// The estimate.
-    pub(super) y: &'t Column,
-    /// The columns between whose values a designer chooses.
-    pub(super) options: Vec<&'t Column>,
-    /// The columns that are given.
-    pub(super) conditions: Vec<&'t Column>,
-    pub(super) rows: Vec<usize>,
-    pub(super) limit: Option<Limit>,
-    /// Fillers that firmware cannot have.
-    unusable: Option<Bandless<'t>>,
-}
-
-/// An option with its rows under each condition.
-pub(super) struct Choice {
-    /// Its name in the table.
-    pub(super) name: String,
-    /// Its name in a headline.
-    pub(super) long: String,
-    /// Whether firmware can have it.
-    pub(super) is_usable: bool,
-    /// Its rows under each condition, those of a curve by rising x.
-    pub(super) rows: Vec<Vec<usize>>,
-}
 
 /// An answer without facts and checks.
 #[derive(Default)]
@@ -287,13 +254,15 @@ impl<'t> Question<'t> {
             (is_named || x.role == Role::Coordinate) && filter.iter().all(|(column, _)| column != name)
         });
         filter.extend(whole.map(|(name, whole)| (name.to_owned(), whole.to_owned())));
-        let rows = table.rows_where(&filter)?;
+        let mut rows = table.rows_where(&filter)?;
         // A key is asked for, not what follows from it.
         let key = table.column(&x.of).ok().filter(|_| x.role == Role::Coordinate && !x.of.is_empty());
         let x = if whole.is_some() { x } else { key.unwrap_or(x) };
         let is_named = is_named || whole.is_some();
         let by = series.into_iter().chain(is_named.then_some(x)).collect();
-        let question = Question::new(study, table, Some(x).filter(|_| !is_named), y, by, rows, chart.limit);
+        let x = Some(x).filter(|_| !is_named);
+        retain_placed(&mut rows, x, y);
+        let question = Question::new(study, table, x, y, by, rows, chart.limit);
         Ok(Question { axis: table.column(&chart.x.name).ok(), ..question })
     }
 
@@ -361,40 +330,13 @@ impl<'t> Question<'t> {
     /// The points of a study without its own chart.
     fn of_points(study: &'t Study, table: &'t Table, decided: Option<&Sheet>) -> Option<Question<'t>> {
         let y = table.usual(Usual::Answer)?;
-        let rows = table.rows_where(&usual_filter(study, table)).ok()?;
+        let mut rows = table.rows_where(&usual_filter(study, table)).ok()?;
         let x = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
+        retain_placed(&mut rows, x, y);
         // Every study of the kind has the columns.
         let by = apart(study, Source::Points, table, vec![]).ok()?;
         let limit = decided.filter(|sheet| sheet.label == y.label).and_then(|sheet| sheet.limit);
         Some(Question::new(study, table, x, y, by, rows, limit))
-    }
-
-    fn new(
-        study: &'t Study,
-        table: &'t Table,
-        x: Option<&'t Column>,
-        y: &'t Column,
-        by: Vec<&'t Column>,
-        mut rows: Vec<usize>,
-        limit: Option<Limit>,
-    ) -> Question<'t> {
-        let has_place = |row: usize| x.is_none_or(|x| x.cells[row].number().is_some());
-        rows.retain(|&row| has_place(row) && (x.is_some() || y.cells[row].number().is_some()));
-        let varies = |by: &&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
-        let x = x.filter(varies);
-        let by: Vec<&Column> = by.into_iter().filter(varies).collect();
-        let (conditions, options) = by.into_iter().partition(|by| is_given(by));
-        Question {
-            table,
-            x,
-            axis: None,
-            y,
-            options,
-            conditions,
-            rows,
-            limit,
-            unusable: Bandless::new(study, table),
-        }
     }
 
     /// The answer in the shape of the question; `None` for rows without a value.
@@ -416,116 +358,12 @@ impl<'t> Question<'t> {
             _ => options::outline_of_values(self),
         })
     }
-
-    /// The options with their rows; where there are none, the conditions take their place.
-    pub(super) fn choices(&self) -> Vec<Choice> {
-        let (rows_by, columns_by) = self.sides();
-        let conditions = grouped(self.rows.iter().copied(), |row| key(columns_by, row));
-        let by_name = grouped(self.rows.iter().copied(), |row| key(rows_by, row));
-        let choice = |(_, rows): (Vec<String>, Vec<usize>)| {
-            let under = |condition: &Vec<String>| {
-                let mut rows: Vec<usize> =
-                    rows.iter().copied().filter(|&row| key(columns_by, row) == *condition).collect();
-                if let Some(x) = self.x {
-                    rows.sort_by(|&a, &b| x.value(a).total_cmp(&x.value(b)));
-                }
-                rows
-            };
-            Choice {
-                name: name(rows_by, rows[0]),
-                long: long(rows_by, rows[0]),
-                is_usable: self.unusable.as_ref().is_none_or(|unusable| !unusable.has(rows[0])),
-                rows: conditions.iter().map(|(condition, _)| under(condition)).collect(),
-            }
-        };
-        by_name.into_iter().map(choice).collect()
-    }
-
-    /// The columns whose values are the rows of the table, and those whose values are its columns.
-    fn sides(&self) -> (&[&'t Column], &[&'t Column]) {
-        match self.options.is_empty() {
-            true => (&self.conditions, &[]),
-            false => (&self.options, &self.conditions),
-        }
-    }
-
-    /// The names of the conditions that are columns, in the order of [`choices`](Question::choices); a single empty one where there
-    /// are none.
-    pub(super) fn columns(&self) -> Vec<String> {
-        let (_, columns) = self.sides();
-        let first = grouped(self.rows.iter().copied(), |row| key(columns, row));
-        first.into_iter().map(|(_, rows)| name(columns, rows[0])).collect()
-    }
-
-    /// The heading of the rows, in front of columns by a further one.
-    pub(super) fn heading_by(&self, x: &Column) -> String {
-        format!("{}, by {}", self.heading(), x.label)
-    }
-
-    /// The heading of the rows.
-    pub(super) fn heading(&self) -> String {
-        let (rows, columns) = self.sides();
-        let labels =
-            |columns: &[&Column]| columns.iter().map(|column| column.label.clone()).collect::<Vec<_>>();
-        match (&labels(rows)[..], &labels(columns)[..]) {
-            (rows, []) => rows.join(", "),
-            (rows, columns) => format!("{}, by {}", rows.join(", "), listed(columns)),
-        }
-    }
-
-    /// The rows among `rows` whose estimate has a value.
-    pub(super) fn known(&self, rows: &[usize]) -> Vec<usize> {
-        rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect()
-    }
-
-    /// The label of the estimate.
-    pub(super) fn label(&self) -> String {
-        worded(&self.y.label)
-    }
-
-    /// The size of the estimate in a row.
-    pub(super) fn size(&self, row: usize) -> f64 {
-        self.y.magnitude(row)
-    }
-
-    /// The value of a row with its interval, as a magnitude where it has a limit.
-    pub(super) fn reading(&self, row: usize) -> Reading {
-        match self.limit.is_some() {
-            true => Reading::new(self.y, self.size(row), self.y.interval_of_magnitude(row)),
-            false => Reading::of_row(self.y, row),
-        }
-    }
-
-    /// The least value that the estimate of a row leaves, where there is one.
-    pub(super) fn least_beside(&self, row: usize) -> Option<Reading> {
-        let least = self.table.beside(self.y, Role::Least)?;
-        // Of several columns below one another, it is that of the first.
-        let is_first = |curve: &Column| curve.cells[row] == curve.cells[0];
-        self.table.column(CURVE).ok().is_none_or(is_first).then(|| Reading::of_row(least, row))
-    }
-
-    /// The row with the largest size among some.
-    pub(super) fn largest(&self, rows: &[usize]) -> Option<usize> {
-        self.known(rows).into_iter().max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)))
-    }
 }
 
-fn key(columns: &[&Column], row: usize) -> Vec<String> {
-    columns.iter().map(|column| column.cells[row].text()).collect()
-}
-
-/// The name of an option in a headline, a number after its label.
-fn long(columns: &[&Column], row: usize) -> String {
-    let known = columns.iter().filter(|column| column.cells[row] != Cell::Blank);
-    known.map(|column| labelled(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
-}
-
-/// The name of a row or a column of the table: without labels where a single column is enough.
-fn name(columns: &[&Column], row: usize) -> String {
-    match columns {
-        [column] => shown(column, &column.cells[row]),
-        columns => place(columns, row),
-    }
+/// Keeps the rows that have a place on the abscissa, or where there is none, a value.
+fn retain_placed(rows: &mut Vec<usize>, x: Option<&Column>, y: &Column) {
+    let column = x.unwrap_or(y);
+    rows.retain(|&row| column.cells[row].number().is_some());
 }
 
 /// A table of lines, usable ones in their order first; equal ones are joined, and the first one is the best.

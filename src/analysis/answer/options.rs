@@ -1,10 +1,10 @@
 //! Answers that compare options: their values side by side, and the value of the abscissa at which each is best.
 
 use crate::analysis::answer::{
-    Choice, Line, Named, Outline, Question, at, at_place, at_places, begun, headline, joined_names, place,
-    reading_of_limit, sampled, spread, table,
+    Line, Named, Outline, at, at_place, at_places, begun, headline, joined_names, place, reading_of_limit,
+    sampled, spread, table,
 };
-use crate::analysis::decision::best_option::less_is_better;
+use crate::analysis::question::{Choice, Question, Standing, less_is_better, sort_best_first};
 use sagnac_base::table::{Column, Role};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, span};
@@ -16,8 +16,10 @@ pub(super) fn outline_of_values(question: &Question) -> Outline {
     let mut choices = question.choices();
     let worst = |choice: &Choice| question.largest(&choice.rows.concat());
     if is_error {
-        let size = |choice: &Choice| worst(choice).map_or(f64::INFINITY, |row| question.size(row));
-        choices.sort_by(|a, b| b.is_usable.cmp(&a.is_usable).then(size(a).total_cmp(&size(b))));
+        sort_best_first(&mut choices, |choice| {
+            let cost = worst(choice).map_or(f64::INFINITY, |row| question.size(row));
+            Standing { is_usable: choice.is_usable, met: 0, cost }
+        });
     }
     let conditions = question.columns();
     let judged = usize::from(question.limit.is_some());
@@ -251,17 +253,20 @@ pub(super) fn curves_at_least(
     found
 }
 
-/// Sorts usable curves first, and then by their least values.
-pub(super) fn sort_best_first(question: &Question, found: &mut [Least]) {
-    let size = |least: &Least| question.size(least.row);
-    found.sort_by(|a, b| b.is_usable.cmp(&a.is_usable).then(size(a).total_cmp(&size(b))));
+/// Sorts curves from the best one on.
+pub(super) fn sort_curves(question: &Question, found: &mut [Least]) {
+    sort_best_first(found, |least| Standing {
+        is_usable: least.is_usable,
+        met: 0,
+        cost: question.size(least.row),
+    });
 }
 
 pub(super) fn outline_of_optimum(question: &Question, x: &Column) -> Outline {
     let choices = question.choices();
     let mut found = curves_at_least(question, x, &choices, |_| false);
     if !question.options.is_empty() {
-        sort_best_first(question, &mut found);
+        sort_curves(question, &mut found);
     }
     // A single curve is shown along its places.
     let is_single = found.len() == 1 && found[0].name.is_empty();

@@ -1,20 +1,14 @@
-//! The best option of a study, the condition under which it is worst, and the rows that count for it; the part that a column, and
-//! each filler, plays in the question.
+//! The best option of a study, the condition under which it is worst, and the rows that count for it.
 
 use crate::analysis::notch::Notches;
-use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
+use crate::analysis::question::{Choice, Question, Standing, apart, sort_best_first, usual_filter};
+use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac_engine::chart::{Chart, Limit, Source};
-use sagnac_engine::filler::FILLERS;
-use sagnac_engine::kinds::KINDS;
 use sagnac_engine::kinds::allan::LENGTH;
-use sagnac_engine::kinds::allan::columns::COEFFICIENT;
-use sagnac_engine::kinds::gap_fill::GapFill;
-use sagnac_engine::kinds::gap_fill::columns::{Tuning, tuned};
-use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::run::Tables;
 use sagnac_engine::study::Study;
 use sagnac_report::answer::Reading;
-use sagnac_report::answer::reading::{naming, place as place_of};
+use sagnac_report::answer::reading::place as place_of;
 
 /// An option with its worst row.
 #[derive(Debug, Clone)]
@@ -28,7 +22,7 @@ struct Rated {
 /// The best of the options that a study compares: the one that meets the limit under most conditions, and of these the
 /// one whose largest value over all conditions is the least.
 #[derive(Debug, Clone)]
-pub(crate) struct Choice<'t> {
+pub(crate) struct BestOption<'t> {
     /// The table of the judged estimate.
     pub(crate) source: Source,
     /// The judged estimate.
@@ -58,12 +52,12 @@ pub(crate) struct Choice<'t> {
     pub(crate) left_out: Vec<String>,
 }
 
-impl<'t> Choice<'t> {
+impl<'t> BestOption<'t> {
     /// The choice among the points of a study. `None` where no estimate can be judged, or no row has a value.
     ///
     /// # Errors
     /// The table lacks a column that a chart requires.
-    pub(crate) fn new(study: &Study, tables: &'t Tables) -> Result<Option<Choice<'t>>, ColumnError> {
+    pub(crate) fn new(study: &Study, tables: &'t Tables) -> Result<Option<BestOption<'t>>, ColumnError> {
         let Some(Judged { source, table, column, limit, filter }) = judged(study, tables)? else {
             return Ok(None);
         };
@@ -83,24 +77,18 @@ impl<'t> Choice<'t> {
         // Where each point has a single averaging time, there is no curve.
         let abscissa = abscissa.filter(|_| rows.iter().any(|&row| place(study, table, row).1 > 0));
         let by = apart(study, source, table, vec![])?;
-        let by: Vec<&Column> =
-            by.into_iter().filter(|by| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]])).collect();
-        let (given, chosen): (Vec<&Column>, Vec<&Column>) = by.into_iter().partition(|by| is_given(by));
-        let bandless = Bandless::new(study, table);
-        let is_known = |row: usize| bandless.as_ref().is_some_and(|bandless| bandless.has(row));
-        let left_out: Vec<String> = match rows.iter().all(|&row| is_known(row)) {
-            true => vec![],
-            false => {
-                let all = rows.clone();
-                rows.retain(|&row| !is_known(row));
-                let names = bandless.iter().flat_map(|bandless| bandless.names.iter().copied());
-                names.filter(|_| all.len() > rows.len()).map(str::to_owned).collect()
-            }
-        };
-        let (condition_of, option_of) = (naming(&given), naming(&chosen));
+        let question = Question::new(study, table, abscissa, column, by, rows, limit);
+        let mut choices = question.under_conditions();
+        let mut left_out = vec![];
+        if let (Some(unusable), true) = (&question.unusable, choices.iter().any(|choice| choice.is_usable)) {
+            let all = choices.len();
+            choices.retain(|choice| choice.is_usable);
+            let names = unusable.names.iter().filter(|_| choices.len() < all);
+            left_out.extend(names.map(|name| (*name).to_owned()));
+        }
         let notches = abscissa.map_or_else(Notches::default, |x| {
-            let curves = grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
-            Notches::new(x, column, curves.iter().map(|(_, rows)| &rows[..]))
+            let curves = choices.iter().flat_map(|choice| choice.rows.iter().map(Vec::as_slice));
+            Notches::new(x, column, curves)
         });
         // A coefficient that records do not show has no error, and meets no limit.
         let value = |row: usize| column.magnitude(row);
@@ -108,33 +96,30 @@ impl<'t> Choice<'t> {
         let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
         // A curve over the averaging time counts at its minimum, notches left out.
         let is_notch = |row: usize| abscissa.is_some_and(|x| notches.are_at(x.value(row)));
-        let least =
-            |(_, rows): (_, Vec<usize>)| rows.into_iter().filter(|&row| !is_notch(row)).min_by(by_value);
-        let option = |(name, rows): (String, Vec<usize>)| {
-            let rows: Vec<usize> = grouped(rows, &condition_of).into_iter().filter_map(least).collect();
+        let least = |rows: &Vec<usize>| rows.iter().copied().filter(|&row| !is_notch(row)).min_by(by_value);
+        let rated = |choice: &Choice| {
+            let rows: Vec<usize> = choice.rows.iter().filter_map(least).collect();
             let row = rows.iter().copied().max_by(by_value)?;
             let met = rows.iter().filter(|row| is_met(**row)).count();
-            Some(Rated { name, row, met, rows })
+            Some(Rated { name: place_of(&question.options, row), row, met, rows })
         };
-        let options = grouped(rows, &option_of);
-        let mut options: Vec<Rated> = options.into_iter().filter_map(option).collect();
+        let mut options: Vec<Rated> = choices.iter().filter_map(rated).collect();
         // Of records that meet the limit equally often, the shortest is the best: a longer one costs time.
-        let length = match chosen[..] {
+        let length = match question.options[..] {
             [column] if column.name == LENGTH.name && limit.is_some() => Some(column),
             _ => None,
         };
-        let cost = |option: &Rated| match length {
-            Some(length) if option.met > 0 => length.value(option.row),
-            _ => value(option.row),
-        };
-        options.sort_by(|a, b| b.met.cmp(&a.met).then(cost(a).total_cmp(&cost(b))));
+        sort_best_first(&mut options, |&Rated { row, met, .. }| {
+            let cost = length.filter(|_| met > 0).map_or_else(|| value(row), |length| length.value(row));
+            Standing { is_usable: true, met, cost }
+        });
         let Some(Rated { name, row, met, rows }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);
-        let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
+        let at: Vec<&Column> = question.conditions.iter().copied().chain(abscissa).collect();
         let condition = place_of(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, rows.len()];
-        Ok(Some(Choice {
+        Ok(Some(BestOption {
             source,
             column,
             limit,
@@ -225,11 +210,6 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
     usual.map(|column| of(Source::Points, &column.name, None, None)).transpose()
 }
 
-/// The filter of the usual rows of a study; an empty one where the study omits them.
-pub(crate) fn usual_filter(study: &Study, table: &Table) -> Vec<(String, String)> {
-    Some(study.usual_rows()).filter(|rows| table.rows_where(rows).is_ok()).unwrap_or_default()
-}
-
 /// A filter that selects the value of a text column that stands for all others, unless it selects one already.
 fn with_whole(study: &Study, source: Source, mut filter: Vec<(String, String)>) -> Vec<(String, String)> {
     for text in study.ground(source).map(|ground| ground.texts).unwrap_or_default() {
@@ -247,64 +227,4 @@ fn place(study: &Study, table: &Table, row: usize) -> (usize, usize) {
     let values = |row: usize| swept.iter().map(|column| &column.cells[row]).collect::<Vec<&Cell>>();
     let starts: Vec<usize> = (0..=row).filter(|&row| row == 0 || values(row) != values(row - 1)).collect();
     (starts.len() - 1, row - starts.last().copied().unwrap_or(0))
-}
-
-/// Whether a column is a condition instead of a choice: that of a key by its role, of others the names of coefficients.
-pub(crate) fn is_given(column: &Column) -> bool {
-    let name = if column.of.is_empty() { &column.name } else { &column.of };
-    let keys = KINDS.iter().flat_map(|kind| (kind.keys)().into_iter().chain((kind.sweepable)()));
-    keys.into_iter()
-        .find(|key| key.name == *name)
-        .map_or_else(|| name.starts_with(COEFFICIENT), |key| key.role.is_given())
-}
-
-/// The columns that distinguish rows, each once, after some `columns`.
-pub(crate) fn apart<'t>(
-    study: &Study,
-    source: Source,
-    table: &'t Table,
-    mut columns: Vec<&'t Column>,
-) -> Result<Vec<&'t Column>, ColumnError> {
-    let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
-    for name in study.text_columns(source).into_iter().chain(sweeps) {
-        if columns.iter().all(|column| column.name != name) {
-            columns.push(table.column(name)?);
-        }
-    }
-    Ok(columns)
-}
-
-/// Whether less of an estimate is better in all selected rows: its role says so, and none of its values is negative.
-pub(crate) fn less_is_better(table: &Table, column: &Column, rows: &[usize]) -> bool {
-    let estimate = if column.role == Role::Theory { table.referred(column) } else { Some(column) };
-    let signed = rows.iter().any(|&row| column.value(row) < 0.0);
-    estimate.is_some_and(|column| column.role.less_is_better()) && !signed
-}
-
-/// The fillers that are designed without a band, whose weights firmware cannot have: they follow the motion of each
-/// point, or one motion to the last digit. For a motion that is drawn from a band, they are those of the band.
-pub(crate) struct Bandless<'a> {
-    /// The column of all fillers.
-    pub(crate) column: &'a Column,
-    pub(crate) names: Vec<&'a str>,
-    /// What they are designed for.
-    pub(crate) why: &'static str,
-}
-
-impl<'a> Bandless<'a> {
-    pub(crate) fn new(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
-        let column = table.listed_by(FILLERS)?;
-        let fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
-        let (tuning, names) = tuned(study, fill)?;
-        let why = match tuning {
-            Tuning::Points => "the very motion of each point",
-            Tuning::Frequency => "exactly this motion",
-        };
-        Some(Bandless { column, names, why })
-    }
-
-    /// Whether a row has one of them.
-    pub(crate) fn has(&self, row: usize) -> bool {
-        self.names.contains(&self.column.cells[row].text().as_str())
-    }
 }

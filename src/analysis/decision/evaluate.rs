@@ -1,6 +1,6 @@
 //! Values of an estimate at points of a study, with common random numbers, and the error budget that follows from them.
 
-use crate::analysis::decision::best_option::Choice;
+use crate::analysis::decision::best_option::BestOption;
 use crate::analysis::decision::{DecisionError, Figure};
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::table::{Column, Role, Table};
@@ -182,7 +182,7 @@ pub struct Part {
 pub(crate) fn budget(
     study: &Study,
     table: &Table,
-    choice: &Choice,
+    choice: &BestOption,
     evaluator: &mut Evaluator,
 ) -> Result<Vec<Part>, DecisionError> {
     let Some((names, dissected)) = study.dissected(choice.point) else { return Ok(vec![]) };

@@ -16,7 +16,7 @@ mod one_at_a_time;
 #[cfg(test)]
 mod tests;
 
-use crate::analysis::decision::best_option::Choice;
+use crate::analysis::decision::best_option::BestOption;
 use crate::analysis::decision::evaluate::{Evaluator, MAX_TRIALS, budget};
 use crate::analysis::decision::one_at_a_time::lever;
 use sagnac_base::diagnostics::{StudyError, listed};
@@ -77,7 +77,7 @@ impl From<(f64, Option<(f64, f64)>)> for Figure {
 /// # Errors
 /// The table lacks a column.
 pub fn judge(study: &Study, tables: &Tables) -> Result<Option<Sheet>, DecisionError> {
-    Ok(Choice::new(study, tables)?.map(|choice| Sheet::new(&choice)))
+    Ok(BestOption::new(study, tables)?.map(|choice| Sheet::new(&choice)))
 }
 
 /// The whole decision sheet of a study; `None` where it judges no error. `progress` receives the evaluations.
@@ -89,7 +89,7 @@ pub fn decide(
     tables: &Tables,
     progress: &dyn Progress,
 ) -> Result<Option<Sheet>, DecisionError> {
-    let Some(choice) = Choice::new(study, tables)? else { return Ok(None) };
+    let Some(choice) = BestOption::new(study, tables)? else { return Ok(None) };
     let sheet = Sheet::new(&choice);
     if choice.source != Source::Points {
         return Ok(Some(sheet));
@@ -161,7 +161,7 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    fn new(choice: &Choice) -> Sheet {
+    fn new(choice: &BestOption) -> Sheet {
         Sheet {
             label: choice.column.label.clone(),
             unit: choice.column.unit,

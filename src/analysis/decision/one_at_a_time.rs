@@ -1,9 +1,9 @@
 //! What changes of single inputs do at the operating point of a study.
 
-use crate::analysis::decision::best_option::Choice;
-use crate::analysis::decision::best_option::is_given;
+use crate::analysis::decision::best_option::BestOption;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value, mean_square};
 use crate::analysis::decision::{DecisionError, Figure, short};
+use crate::analysis::question::is_given;
 use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::Table;
 use sagnac_engine::drift::{End, INTERVAL};
@@ -71,7 +71,7 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    pub(super) fn new(study: &'a Study, table: &Table, choice: &Choice) -> Place<'a> {
+    pub(super) fn new(study: &'a Study, table: &Table, choice: &BestOption) -> Place<'a> {
         let swept = |row: usize| {
             let value = |sweep: &Sweep| {
                 let shown = &table.column(sweep.key.name).ok()?.cells[row];
@@ -346,7 +346,7 @@ pub struct Lever {
 pub(crate) fn lever(
     study: &Study,
     table: &Table,
-    choice: &Choice,
+    choice: &BestOption,
     evaluator: &mut Evaluator,
 ) -> Result<Option<Lever>, DecisionError> {
     // A change of an input may move a notch to the place that is judged.

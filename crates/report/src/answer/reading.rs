@@ -213,19 +213,6 @@ pub fn place(columns: &[&Column], row: usize) -> String {
     cells.filter(|name| !name.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
-/// Returns a function that names rows as [`place`] does, and writes the names of a column with few values once.
-pub fn naming<'t>(columns: &[&'t Column]) -> impl Fn(usize) -> String + use<'t> {
-    let texts = |column: &&'t Column| {
-        let column = *column;
-        column.cells.texts(move |cell| named(column, cell))
-    };
-    let columns: Vec<_> = columns.iter().map(texts).collect();
-    move |row| {
-        let names = columns.iter().map(|column| column.at(row)).filter(|name| !name.is_empty());
-        names.collect::<Vec<_>>().join(", ")
-    }
-}
-
 /// A text as the start of a sentence.
 pub fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
