@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use sagnac::outcome::Outcome;
 use sagnac::report::chart::Picture;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::store::CARD;
 use sagnac::store::folder::Folder;
+use sagnac::use_cases::Outcome;
 use serde_json::json;
 
 use crate::failure::{Failure, in_options};

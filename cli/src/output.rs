@@ -4,11 +4,11 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::outcome::Outcome;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::json;
 use sagnac::store::folder::{self, Folder};
 use sagnac::table::Table;
+use sagnac::use_cases::Outcome;
 use sagnac_base::diagnostics::{visible, visible_json};
 use serde::Serialize;
 

@@ -15,10 +15,10 @@ use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::analysis::sensitivity::{SensitivityError, SensitivityRequest, sensitivity as decide};
 use sagnac::fit::selection::Fitting;
-use sagnac::outcome::Outcome;
 use sagnac::progress::Silent;
 use sagnac::report::chart::Picture;
 use sagnac::run::RunError;
+use sagnac::use_cases::Outcome;
 use sagnac::use_cases::{
     self, AllanRequest, BatchRequest, CompareRequest, ModelSource, Segments, compare_logs, compare_units,
     model_noise,

@@ -7,8 +7,8 @@ use pyo3::types::PyDict;
 use sagnac::analysis::firmware::{
     Alone, Asked, ChoiceError, FillerRequest, FillerSource, Firmware, KINDS, filler, in_properties,
 };
-use sagnac::outcome::Outcome;
 use sagnac::study::Study;
+use sagnac::use_cases::Outcome;
 use sagnac_base::quantity::Dimension;
 
 use super::analysis::in_dict;

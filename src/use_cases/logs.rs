@@ -30,7 +30,7 @@ use crate::analysis::requirement::{Limit, LimitError, applies, check};
 use crate::analysis::spectrum::{self, NoSpectrum, densities};
 use crate::analysis::temperature::regressors::Effects;
 use crate::analysis::temperature::{self, Temperature};
-use crate::outcome::Outcome;
+use crate::use_cases::Outcome;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_records::allan::{TauError, Taus, Trend};
 use sagnac_records::fit::Fitting;

@@ -3,7 +3,7 @@
 use crate::analysis::answer::facts;
 use crate::analysis::decision::{DecisionError, decide};
 use crate::analysis::page::Results;
-use crate::outcome::Outcome;
+use crate::use_cases::Outcome;
 use sagnac_base::progress::Progress;
 use sagnac_engine::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac_engine::store::Store;

@@ -1,12 +1,12 @@
 //! Messages between a page and the library: a JSON value with files.
 
 use sagnac::analysis::decision::DecisionError;
-use sagnac::outcome::Outcome;
 use sagnac::record::RecordError;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::run::RunError;
 use sagnac::store::StoreError;
 use sagnac::use_cases::LogError;
+use sagnac::use_cases::Outcome;
 use sagnac_base::diagnostics::{StudyError, spelled};
 use serde_json::{Map, Value, json};
 

@@ -60,7 +60,7 @@ use crate::analysis::design::result::deciding;
 use crate::analysis::design::runs::{Chosen, Runner, work};
 use crate::analysis::jackknife::PARTS;
 use crate::analysis::page;
-use crate::outcome::Outcome;
+use crate::use_cases::Outcome;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;

@@ -5,7 +5,7 @@ use crate::analysis::firmware::export::HEADER;
 use crate::analysis::firmware::search::{Asked, Trade};
 use crate::analysis::firmware::standalone::Alone;
 use crate::analysis::page;
-use crate::outcome::Outcome;
+use crate::use_cases::Outcome;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, Quantity, parse as parse_quantity};

@@ -50,7 +50,7 @@ use crate::analysis::page;
 use crate::analysis::sensitivity::evaluate::{Evaluator, chosen};
 use crate::analysis::sensitivity::report::{count, joined, swings};
 use crate::analysis::sensitivity::sobol::{indices, samples, share};
-use crate::outcome::Outcome;
+use crate::use_cases::Outcome;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;

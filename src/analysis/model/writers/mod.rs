@@ -4,14 +4,9 @@
 //! model between the two times. Its deviation at τ = 1 s stays within 1 %, because white noise is known best; what grows is the random walk, or the
 //! single Markov state.
 
-mod c_header;
 mod gtsam;
-mod json;
-mod kf_gins;
-mod matlab;
-mod navego;
-mod psins;
-mod pyins;
+mod programs;
+mod toolboxes;
 mod yaml;
 
 use crate::analysis::log::report::one_line;
@@ -57,15 +52,15 @@ pub static WRITERS: [&Writer; 12] = [
     &yaml::KALIBR,
     &yaml::ALLAN_VARIANCE_ROS,
     &yaml::OPENVINS,
-    &matlab::MATLAB,
-    &navego::NAVEGO,
-    &psins::PSINS,
+    &programs::MATLAB,
+    &toolboxes::NAVEGO,
+    &toolboxes::PSINS,
     &gtsam::CPP,
     &gtsam::PYTHON,
-    &pyins::PYINS,
-    &kf_gins::KF_GINS,
-    &c_header::C_HEADER,
-    &json::JSON,
+    &toolboxes::PYINS,
+    &toolboxes::KF_GINS,
+    &programs::C_HEADER,
+    &programs::JSON,
 ];
 
 /// The sensors of a file, with the lines of its heading.
