@@ -15,7 +15,6 @@ pub mod log;
 pub mod model;
 pub mod navigators;
 pub(crate) mod noise_of_record;
-pub(crate) mod notch;
 pub mod page;
 pub(crate) mod question;
 pub mod requirement;

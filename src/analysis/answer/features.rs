@@ -2,8 +2,7 @@
 
 use crate::analysis::answer::options::{Least, curves_at_least, heading, sort_curves};
 use crate::analysis::answer::{Line, Named, Outline, at, headline, table};
-use crate::analysis::notch::Notches;
-use crate::analysis::question::Question;
+use crate::analysis::question::{Notches, Question};
 use sagnac_base::table::{Column, between};
 use sagnac_engine::kinds::allan::columns::is_absent;
 use sagnac_report::answer::reading::percent_of;

@@ -1,7 +1,6 @@
 //! The best option of a study, the condition under which it is worst, and the rows that count for it.
 
-use crate::analysis::notch::Notches;
-use crate::analysis::question::{Choice, Question, Standing, apart, sort_best_first, usual_filter};
+use crate::analysis::question::{Choice, Notches, Question, Standing, apart, sort_best_first, usual_filter};
 use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac_engine::chart::{Chart, Limit, Source};
 use sagnac_engine::kinds::allan::LENGTH;
