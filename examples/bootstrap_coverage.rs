@@ -77,7 +77,7 @@ impl Study {
     fn intervals(&self, cpu: &Cpu, curve: &Curve, count: usize) -> Option<[Intervals; 4]> {
         let variances = curve.variances();
         let closed = self.fitter.fit_record(variances).ok()?;
-        let rows = realizations(cpu, curve, &closed, count, &|_| {}).ok()?;
+        let rows = realizations(cpu, curve, &closed, count).ok()??;
         let model = Covariance::of_process(&closed.process, curve).ok()?;
         let covariance = Covariance::of_realizations(&rows, &model).ok()?;
         let inverted = self.fitter.fit(variances, &covariance, Errors::OfModel).ok()?;

@@ -190,6 +190,7 @@ impl Options {
                 intervals: self.intervals,
                 fitting: self.reading.fitting(),
                 simulated: self.bootstrap,
+                simulator: None,
             },
             segments: (!self.no_psd).then_some(use_cases::Segments { length_s, trend, is_required: false }),
             effects: self.reading.temperature_terms.clone(),

@@ -11,6 +11,7 @@ Examples:
   sagnac convert \"0.0135 deg/s/sqrt(Hz)\"
   sagnac convert 0.81deg/√h
   sagnac convert 0.05 deg/h
+  sagnac convert 4 mdps/rtHz
   sagnac convert 120 ug/√Hz";
 
 #[derive(Debug, Args)]

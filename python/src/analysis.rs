@@ -241,6 +241,7 @@ impl Whole {
                 intervals: suppose_of(&self.intervals)?,
                 fitting,
                 simulated: self.bootstrap,
+                simulator: None,
             },
             segments: self.has_spectrum.then_some(Segments { length_s, trend, is_required }),
             effects: effects_of(&self.effects)?,

@@ -428,7 +428,7 @@ pub fn fit<'py>(
         // Terms that are asked for are fitted to the record as it is.
         let keeps_events = matches!(fitting.terms, Terms::Given(_));
         let events = if keeps_events { events.kept(&record.angles) } else { events };
-        let sheet = DataSheet::new(&events, &fitting, record.unit, simulated)
+        let sheet = DataSheet::new(&events, &fitting, record.unit, simulated, None)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&events.without)
             .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;

@@ -3,7 +3,7 @@
 
 use crate::analysis::noise_of_record::Noise;
 use sagnac_engine::device::Cpu;
-use sagnac_engine::kinds::allan::run::realizations;
+use sagnac_engine::kinds::allan::run::{Simulator, realizations};
 use sagnac_kernel::width::Width;
 use sagnac_records::allan::{Angles, Unit};
 use sagnac_records::events::{Event, Events};
@@ -106,8 +106,8 @@ impl Intervals {
 impl DataSheet {
     /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
     /// octaves of τ that they [describe](sagnac_records::fit::selection), with the intervals of
-    /// [`Fitter::fit_realized`](sagnac_records::fit::Fitter::fit_realized) where records are simulated. The same record gives the same
-    /// bits for any number of threads.
+    /// [`Fitter::fit_realized`](sagnac_records::fit::Fitter::fit_realized) where records are simulated, by a simulator or by default
+    /// the processor. The same record gives the same bits for any number of threads.
     ///
     /// # Errors
     /// A sentence that says why the noise of this record cannot be determined.
@@ -124,7 +124,7 @@ impl DataSheet {
     /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
     /// let closed = Intervals { records: 0, without: None };
     /// let events = Events::new(&angles, &Outliers::default(), &[]);
-    /// let sheet = DataSheet::new(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
+    /// let sheet = DataSheet::new(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed, None)?;
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "estimated"));
     /// # Ok::<(), String>(())
     /// ```
@@ -133,12 +133,13 @@ impl DataSheet {
         asked: &Fitting,
         unit: Unit,
         intervals: Intervals,
+        simulator: Option<&dyn Simulator>,
     ) -> Result<DataSheet, String> {
         let mut noise = Noise::of(events, asked).map_err(|error| error.to_string())?;
         let described = &noise.described;
         let realized = match intervals.records {
             0 => Ok(described.fit.clone()),
-            records => realized(described, records),
+            records => realized(described, records, simulator),
         };
         let (fit, intervals) = realized.map(|fit| (fit, intervals)).unwrap_or_else(|why| {
             let without = Some(format!("the fit cannot be simulated: {why}"));
@@ -151,9 +152,20 @@ impl DataSheet {
 }
 
 /// Repeats the fit with intervals from simulated records of the first fit.
-fn realized(Described { fitter, fit, .. }: &Described, count: usize) -> Result<Fit, String> {
-    let (cpu, curve) = (Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?, fitter.curve());
-    let rows = realizations(&cpu, curve, fit, count, &|_| {}).map_err(|error| error.to_string())?;
+fn realized(
+    Described { fitter, fit, .. }: &Described,
+    count: usize,
+    simulator: Option<&dyn Simulator>,
+) -> Result<Fit, String> {
+    let curve = fitter.curve();
+    let rows = match simulator {
+        Some(simulator) => realizations(simulator, curve, fit, count),
+        None => {
+            let cpu = Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?;
+            realizations(&cpu, curve, fit, count)
+        }
+    };
+    let rows = rows.map_err(|error| error.to_string())?.ok_or("its records are not known yet")?;
     fitter.fit_realized(curve.variances(), fit, &rows).map_err(|error| error.to_string())
 }
 

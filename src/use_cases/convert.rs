@@ -264,6 +264,7 @@ mod tests {
         near(value("60 deg/sqrt(h)", "density of the rate, one-sided", "°/s/√Hz"), 2.0_f64.sqrt());
         near(value("0.1 deg/s/√Hz", GIVEN_ONE_SIDED, "°/√h"), 6.0 / 2.0_f64.sqrt());
         near(value("4 (deg/s)^2/Hz", "N, if it is two-sided", "°/√h"), 120.0);
+        near(value("4 mdps/rtHz", "N", "°/√h"), 0.24);
         near(value("1 rad/s", "rate", "°/h"), 180.0 / core::f64::consts::PI * 3600.0);
         near(value("0.664282466894803 deg/h", "B, of this minimum", "°/h"), 1.0);
         near(value("100 ug/sqrt(Hz)", "N", "m/s/√h"), 100e-6 * 9.80665 * 60.0);

@@ -27,7 +27,8 @@ fn found(rates: &[f64], temperatures: &[Vec<f64>]) -> (Vec<Event>, DataSheet) {
     let angles = Angles::from_increments(rates, 1.0, 1.0, Trend::None);
     let events = Events::new(&angles, &outliers(rates), temperatures);
     let closed = Intervals { records: 0, without: None };
-    let sheet = DataSheet::new(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).unwrap();
+    let sheet =
+        DataSheet::new(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed, None).unwrap();
     (events.list.iter().chain(&sheet.events).cloned().collect(), sheet)
 }
 

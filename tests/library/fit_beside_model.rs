@@ -24,6 +24,7 @@ fn sheet(rates: &[f64]) -> DataSheet {
         &Terms::of_model(Trend::None).into(),
         Unit::Angular,
         closed,
+        None,
     )
     .unwrap()
 }

@@ -276,6 +276,7 @@ fn n_of_the_floor_is_within_the_interval_of_the_fit_and_its_own_contains_the_tru
             &Terms::of_model(Trend::None).into(),
             Unit::Angular,
             closed,
+            None,
         )
         .unwrap();
         let row = sheet.rows.iter().find(|row| row.name == "N").unwrap();

@@ -52,7 +52,7 @@ fn intervals_from_simulated_records_cover_the_truth() {
     let fitter = Fitter::new(&curves[0], &Terms::Given(QNB.to_vec())).unwrap();
     let fit = |curve: &Curve| {
         let first = fitter.fit_record(curve.variances()).unwrap();
-        let rows = realizations(&cpu, curve, &first, REALIZATIONS, &|_| {}).unwrap();
+        let rows = realizations(&cpu, curve, &first, REALIZATIONS).unwrap().unwrap();
         fitter.fit_realized(curve.variances(), &first, &rows).unwrap()
     };
     let fits: Vec<Fit> = curves.iter().map(fit).collect();
@@ -73,7 +73,7 @@ fn intervals_from_simulated_records_cover_the_truth() {
 fn realizations_follow_from_the_record_and_more_of_them_go_on_from_the_first() {
     let curve = &curves()[0];
     let first = fit_record(curve, &Terms::Given(QNB.to_vec())).unwrap();
-    let rows = |curve: &Curve, count| realizations(&cpu(), curve, &first, count, &|_| {}).unwrap();
+    let rows = |curve: &Curve, count| realizations(&cpu(), curve, &first, count).unwrap().unwrap();
     let few = rows(curve, 3);
     assert_eq!(few, rows(curve, 5)[..3]);
     let mut variances = curve.variances().to_vec();

@@ -47,7 +47,11 @@ class Instance {
         else resolve(data);
       };
       this.worker.onerror = ({ message }) => resolve(stopped(message ?? "The worker could not start"));
-      this.worker.postMessage({ request, blobs }, isGiven ? blobs.map((blob) => blob.buffer) : []);
+      try {
+        this.worker.postMessage({ request, blobs }, isGiven ? blobs.map((blob) => blob.buffer) : []);
+      } catch ({ message }) {
+        resolve(stopped(message));
+      }
     });
   }
 }
@@ -103,17 +107,38 @@ class Engine {
     return `${this.shares === 1 ? "1 worker" : `${this.shares} workers`}, ${lanes}`;
   }
 
-  async #onWorkers(study, { trials, progress, signal }, why = "") {
+  async #onWorkers(study, { trials, ...options }, why = "") {
+    const answers = await this.#divided({ call: "share", ...study, trials }, options);
+    return { rows: answers.map(({ blobs }) => blobs[0]), by: `${await this.description()}${why}` };
+  }
+
+  /** A part of the records that are simulated for the intervals of a log, from one number to another: the sums of each worker's. */
+  async simulate(log, options) {
+    return (await this.#divided({ call: "simulate", ...log }, options)).map(({ blobs }) => blobs);
+  }
+
+  /** The answers of all workers to a request, each for its share. */
+  #divided(request, { blobs, progress, signal }) {
     const parts = Array.from({ length: this.shares }, () => [0, 0]);
     const sum = (which) => parts.reduce((total, part) => total + part[which], 0);
-    const answers = await Promise.all(parts.map((_, at) => this.ask({ call: "share", ...study, trials, number: at + 1, of: this.shares }, {
+    return Promise.all(parts.map((_, at) => this.ask({ ...request, number: at + 1, of: this.shares }, {
+      blobs,
       signal,
       progress: (...part) => {
         parts[at] = part;
         progress?.(sum(0), sum(1));
       },
     })));
-    return { rows: answers.map(({ blobs }) => blobs[0]), by: `${await this.description()}${why}` };
+  }
+
+  /** The digests of the kernels as `verify` answers them, compared with the GPU too, and its name; null without one. */
+  async verifyOnGpu(units, { signal, progress }) {
+    const gpu = await this.#gpu;
+    if (!gpu) return null;
+    const noted = await this.ask({ call: "gpu_verify_dispatches", units }, { signal });
+    const answers = await gpu.run(noted.reply, noted.blobs, { signal, progress });
+    const { reply } = await this.ask({ call: "gpu_verify", units }, { blobs: answers, isGiven: true, signal });
+    return { name: gpu.name, ...reply };
   }
 
   async #next() {

@@ -45,6 +45,8 @@ class Gpu {
     const words = dispatches.flatMap(({ outputs }) => outputs.map(([, count]) => count)).reduce((sum, count) => sum + count, 0);
     if (4 * words > MOST_BYTES) throw new Error("its answers would take more memory than a page has");
     this.#normals ??= this.#buffer(files[0], GPUBufferUsage.STORAGE);
+    // Drivers compile several at a time; one that fails does so again at its dispatch.
+    shaders.forEach((shader) => this.#pipeline(shader).catch(() => {}));
     const answers = [];
     for (const dispatch of dispatches) {
       signal?.throwIfAborted();
@@ -109,10 +111,10 @@ class Gpu {
     return new Uint8Array(read.getMappedRange().slice(0));
   }
 
-  async #pipeline(code) {
+  #pipeline(code) {
     if (!this.#pipelines.has(code)) {
       const module = this.device.createShaderModule({ code });
-      this.#pipelines.set(code, await this.device.createComputePipelineAsync({ layout: "auto", compute: { module, entryPoint: "main" } }));
+      this.#pipelines.set(code, this.device.createComputePipelineAsync({ layout: "auto", compute: { module, entryPoint: "main" } }));
     }
     return this.#pipelines.get(code);
   }

@@ -10,6 +10,9 @@ const MOST_BYTES = 400e6;
 /** The example has no time stamps. */
 const EXAMPLE_OPTIONS = { rate: "1 Hz" };
 
+/** Number of simulated records after which there are first intervals. */
+const FIRST_RECORDS = 200;
+
 const ANALYSES = [
   { id: "allan", label: "Noise", doing: "Analyzing", command: "allan" },
   { id: "model", label: "Filter model", doing: "Fitting a filter model", command: "model --overbound --write all" },
@@ -22,6 +25,8 @@ export class LogView {
     this.openStudy = openStudy;
     this.file = null;
     this.other = null;
+    /** Number of records that are simulated for the intervals; 0 where that takes too long. */
+    this.records = 0;
     this.isComparing = false;
     this.hint = byId("choose-hint").textContent;
     this.form = byId("log-form");
@@ -115,6 +120,7 @@ export class LogView {
     try {
       const { reply } = await engine.ask({ call: "read", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.#facts(reply);
+      this.records = reply.records;
       byId("log-options").open = false;
       byId("log-actions").hidden = false;
     } catch (error) {
@@ -171,23 +177,49 @@ export class LogView {
     return `sagnac ${ANALYSES.find(({ id }) => id === this.shown).command.replace(/^\w+/, `$& ${name}`)}${options}`;
   }
 
-  /** Intervals in closed form first; those of simulated records take their place when they are ready. */
+  /** Intervals in closed form first; those of the first simulated records take their place when they are ready, and then those of all. */
   async #analyze({ id, doing }) {
     this.#comparing(false);
     this.#pressed(id);
     const { file } = this;
-    const isShown = await this.#show(`${doing} ${file.name}`, { call: id, name: file.name, simulated: false }, [file], "");
-    if (id === "allan" && isShown && this.shown === id) {
-      await this.#show("Simulating records for the intervals", { call: id, name: file.name, simulated: true }, [file], "Intervals from simulated records. ");
+    const request = { call: id, name: file.name, simulated: 0 };
+    let isShown = await this.#show(`${doing} ${file.name}`, request, [file], "");
+    if (id !== "allan") return;
+    const parts = [];
+    for (const [from, to] of [[0, FIRST_RECORDS], [FIRST_RECORDS, this.records]]) {
+      if (!isShown || this.shown !== id || from >= this.records) return;
+      const made = await this.#simulate(file, from, to);
+      if (!made) return;
+      parts.push(...made);
+      isShown = await this.#show("Fitting simulated records", { ...request, simulated: to, parts: parts.length }, [file], "Intervals from simulated records. ", parts.flat());
     }
   }
 
-  /** Shows what a request answers; false if it failed or was stopped. */
-  async #show(text, request, files, remark) {
+  /** Simulates records from one number to another on all workers; null if that failed, was stopped, or nothing can be simulated. */
+  async #simulate(file, from, to) {
+    const signal = this.progress.begin(`Simulating ${grouped(this.records)} records for the intervals`);
+    try {
+      const made = await engine.simulate({ name: file.name, options: this.#options(), from, to }, {
+        blobs: [await this.#bytes(file)],
+        signal,
+        progress: (done) => this.progress.set(from + done, this.records),
+      });
+      return made.flat().length > 0 ? made : null;
+    } catch (error) {
+      this.#failed(error);
+      return null;
+    } finally {
+      this.progress.end(signal);
+    }
+  }
+
+  /** Shows what a request answers about some files, after which it takes those `more` bytes; false if it failed or was stopped. */
+  async #show(text, request, files, remark, more = []) {
     showError(byId("log-error"), null);
     const signal = this.progress.begin(text);
     try {
-      const blobs = await Promise.all(files.map((file) => this.#bytes(file)));
+      // They are given away, and further records need them again.
+      const blobs = [...await Promise.all(files.map((file) => this.#bytes(file))), ...more.map((bytes) => bytes.slice())];
       const begun = performance.now();
       const { reply, blobs: made } = await engine.ask({ ...request, options: this.#options() }, { blobs, isGiven: true, signal, progress: (...part) => this.progress.set(...part) });
       const took = performance.now() - begun;
@@ -195,7 +227,7 @@ export class LogView {
       if (signal.aborted) return false;
       byId("log-ran").textContent = `${remark}Computed in this browser in ${seconds(took)}.`;
       byId("log-notes").replaceChildren(...(reply.notes ?? []).map((note) => element("p", { class: "note" }, note)));
-      const saved = reply.files.map(({ name }, at) => ({ name, bytes: made[at + 1] }));
+      const saved = reply.files.map((name, at) => ({ name, bytes: made[at + 1] }));
       showFiles(byId("log-files"), [{ name: "report.html", bytes: made[0] }, ...saved]);
       announce(reply.headline);
       return true;
@@ -233,7 +265,7 @@ export class LogView {
     const { file } = this;
     const signal = this.progress.begin("Writing a study with this noise");
     try {
-      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options(), simulated: true }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
+      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.openStudy(reply.text, file.name.replace(/\.\w+$/, ""));
     } catch (error) {
       this.#failed(error);

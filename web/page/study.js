@@ -226,7 +226,7 @@ export class StudyView {
 
   async #show({ reply, blobs }, { text, name, trials, by, took }) {
     await this.report.show(blobs[0], this.study?.title ?? this.name);
-    const tables = reply.files.map((file, at) => ({ name: file.name, bytes: blobs[at + 1] }));
+    const tables = reply.files.map((name, at) => ({ name, bytes: blobs[at + 1] }));
     showFiles(byId("study-files"), [{ name, bytes: text }, { name: "report.html", bytes: blobs[0] }, ...tables]);
     byId("study-ran").replaceChildren(`${this.study?.is_sampled === false ? "closed forms" : `${by} · ${grouped(trials)} trials per point`} · ${seconds(took)} · points.csv `,
       element("code", { title: reply.digest }, reply.digest.slice(0, 12)), " · these are the bits of the program");

@@ -22,8 +22,16 @@ export class VerifyView {
     byId("verify-result").replaceChildren();
     try {
       const begun = performance.now();
-      const [about, { reply }] = await Promise.all([this.about, engine.ask({ call: "verify", units }, { signal, progress: (...part) => this.progress.set(...part) })]);
-      await this.#show(reply, units, about, performance.now() - begun);
+      const progress = (...part) => this.progress.set(...part);
+      const [about, { reply }] = await Promise.all([this.about, engine.ask({ call: "verify", units }, { signal, progress })]);
+      const took = performance.now() - begun;
+      await this.#show(reply, units, about, took, null);
+      // What the GPU does not do is no fault of the processor.
+      const gpu = await engine.verifyOnGpu(units, { signal, progress }).catch((error) => {
+        if (isStopped(error)) throw error;
+        return { failure: error.message };
+      });
+      if (gpu) await this.#show(reply, units, about, took, gpu);
     } catch (error) {
       if (!isStopped(error)) showError(byId("verify-error"), error);
     } finally {
@@ -31,25 +39,32 @@ export class VerifyView {
     }
   }
 
-  async #show({ digest, rows }, units, { lanes, version }, took) {
+  /** Shows the digests of the processor, and those of a GPU that has answered: its name with rows, or why it failed. */
+  async #show({ digest, rows }, units, { lanes, version }, took, gpu) {
     const { name, system } = browser();
-    const different = rows.filter(({ identical }) => !identical);
+    const different = rows.concat(gpu?.rows ?? []).filter(({ identical }) => !identical);
     const expected = (await known)[units];
     const isOther = expected !== undefined && expected !== digest;
-    const verdict = different.length > 0 ? `Different: ${different.map(({ kernel }) => kernel).join(", ")}.`
+    const where = gpu?.rows ? ` on the processor and on ${gpu.name}` : "";
+    const verdict = different.length > 0 ? `Different: ${[...new Set(different.map(({ kernel }) => kernel))].join(", ")}.`
       : isOther ? "Different: the digest is not that of the program."
-        : expected === undefined ? `All ${rows.length} kernels agree in every width of this browser. The program prints its digest with: sagnac device verify --trials ${units}`
-          : `Identical: all ${rows.length} kernels have the digest of the program.`;
-    const result = different.length === 0 && !isOther ? "identical" : "DIFFERENT";
-    const line = `| ${[name, "–", "WebAssembly", lanes, system, version, units, digest, result, new Date().toISOString().slice(0, 10)].join(" | ")} |`;
+        : expected === undefined ? `All ${rows.length} kernels agree in every width of this browser${where}. The program prints its digest with: sagnac device verify --trials ${units}`
+          : `Identical: all ${rows.length} kernels have the digest of the program${where}.`;
+    const line = (device, backend, variant, found) => {
+      const result = isOther || found.some(({ identical }) => !identical) ? "DIFFERENT" : "identical";
+      return `| ${[device, "–", backend, variant, system, version, units, digest, result, new Date().toISOString().slice(0, 10)].join(" | ")} |`;
+    };
+    const lines = [line(name, "WebAssembly", lanes, rows), ...(gpu?.rows ? [line(gpu.name, `WebGPU in ${name}`, "16-bit products, workgroup 64", gpu.rows)] : [])];
+    const word = ({ identical }) => (identical ? "identical" : "different");
+    const columns = ["Kernel", "Digest", "Widths", ...(gpu?.rows ? ["WebGPU"] : [])].map((label) => ({ label, isText: true }));
     byId("verify-result").replaceChildren(
       element("p", { class: "headline" }, verdict),
       element("p", { class: "hint" }, `${lanes}, ${seconds(took)}. Digest of all: `, element("code", {}, digest)),
-      table("Kernels", [{ label: "Kernel", isText: true }, { label: "Digest", isText: true }, { label: "Widths", isText: true }],
-        rows.map(({ kernel, digest: each, identical }) => [kernel, element("code", {}, each), identical ? "identical" : "different"])),
-      element("p", {}, "The row of this browser for the list of verified devices:"),
-      element("pre", { tabindex: "0", "aria-label": "Row of this browser" }, line),
-      button("Copy row", "Copy the row as Markdown", ({ currentTarget }) => copy(line, currentTarget)));
+      ...(gpu?.failure ? [element("p", { class: "note" }, `Not compared on WebGPU: ${gpu.failure.split("\n")[0]}`)] : []),
+      table("Kernels", columns, rows.map((row, at) => [row.kernel, element("code", {}, row.digest), word(row), ...(gpu?.rows ? [word(gpu.rows[at])] : [])])),
+      element("p", {}, "For the list of verified devices:"),
+      element("pre", { tabindex: "0", "aria-label": "Rows of this browser" }, lines.join("\n")),
+      button("Copy rows", "Copy the rows as Markdown", ({ currentTarget }) => copy(lines.join("\n"), currentTarget)));
     announce(verdict);
   }
 }

@@ -66,15 +66,14 @@ impl Runner for Player {
 fn run(
     plan: &Plan,
     share: Share,
-    runner: Box<dyn Runner>,
+    mut device: Device,
     is_known: bool,
     progress: &dyn Progress,
-) -> Result<(Store, u64, Vec<String>), Refusal> {
+) -> Result<(Store, Vec<String>), Refusal> {
     if plan.study().precision.is_some() {
         return Err(Refusal::usage("a study that stops at a precision does not run on a GPU of a browser"));
     }
     let mut store = Store::in_memory(&plan.identity());
-    let mut device = Device::Remote(Remote::new(runner));
     let mut worker = Worker::new(&mut device, progress);
     let mut steps = plan.steps(&store, share)?;
     let mut trials = 0;
@@ -91,13 +90,18 @@ fn run(
     if is_known {
         plan.keep(&mut store, share)?;
     }
-    Ok((store, trials, worker.into_notes()))
+    Ok((store, worker.into_notes()))
 }
 
-/// The dispatches of a share, as the page takes them: texts of shaders, each once, and words as files.
+/// The dispatches of a share, as [`noted`].
 pub(crate) fn dispatches(plan: &Plan, share: Share, progress: &dyn Progress) -> Result<Reply, Refusal> {
+    noted(|device| run(plan, share, device, false, progress))
+}
+
+/// The dispatches of some work on a device, as the page takes them: texts of shaders, each once, and words as files.
+pub(crate) fn noted<R>(work: impl FnOnce(Device) -> Result<R, Refusal>) -> Result<Reply, Refusal> {
     let recorder = Recorder::default();
-    run(plan, share, Box::new(recorder.clone()), false, progress)?;
+    work(Device::Remote(Remote::new(Box::new(recorder.clone()))))?;
     let noted = std::mem::take(&mut *recorder.0.lock().unwrap_or_else(PoisonError::into_inner));
     if noted.words > MAX_WORDS {
         return Err(Refusal::usage("the work for the GPU would take more memory than a page has"));
@@ -147,13 +151,15 @@ pub(crate) fn share(
     answers: &[&[u8]],
     progress: &dyn Progress,
 ) -> Result<Reply, Refusal> {
-    let words = |answer: &&[u8]| {
-        answer.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
-    };
-    let player = Player(answers.iter().map(words).collect());
-    let (store, trials, notes) = run(plan, share, Box::new(player), true, progress)?;
-    let reply = Reply::new(json!({ "sampled": trials, "is_sampled": true, "notes": notes }));
-    Ok(reply.with_file(store.to_bytes()?))
+    let (store, notes) = run(plan, share, answering(answers), true, progress)?;
+    Ok(Reply::new(json!({ "notes": notes })).with_file(store.to_bytes()?))
+}
+
+/// A device that gives the answers to noted dispatches.
+pub(crate) fn answering(answers: &[&[u8]]) -> Device {
+    let word = |bytes: &[u8]| bytes.try_into().map_or(0, u32::from_le_bytes);
+    let words = |answer: &&[u8]| answer.chunks_exact(4).map(word).collect();
+    Device::Remote(Remote::new(Box::new(Player(answers.iter().map(words).collect()))))
 }
 
 fn bytes(words: &[u32]) -> Vec<u8> {

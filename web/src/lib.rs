@@ -9,6 +9,7 @@
 mod gpu;
 mod log;
 mod message;
+mod simulation;
 mod study;
 
 #[cfg(target_family = "wasm")]
@@ -16,6 +17,7 @@ mod exports;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use sagnac::device::Device;
 use sagnac_base::progress::Progress;
 use sagnac_engine::verify;
 use sagnac_kernel::width::Width;
@@ -36,12 +38,15 @@ enum Request {
     Outcome(study::Finish),
     Read(log::OneLog),
     Allan(log::OneLog),
+    Simulate(log::Simulate),
     Model(log::OneLog),
     Navigate(log::OneLog),
     StudyOfLog(log::OneLog),
     Compare(log::TwoLogs),
     Convert { text: String },
     Verify { units: u64 },
+    GpuVerifyDispatches { units: u64 },
+    GpuVerify { units: u64 },
 }
 
 /// Answers a message. `report` receives the units of work that are done, and their total.
@@ -63,6 +68,7 @@ fn answer(Message { json, files }: Message, progress: &Watch) -> Result<Reply, R
         Request::Outcome(asked) => asked.answer(&files, progress),
         Request::Read(asked) => asked.columns(&files),
         Request::Allan(asked) => asked.allan(&files, progress),
+        Request::Simulate(asked) => asked.answer(&files, progress),
         Request::Model(asked) => asked.model(&files, progress),
         Request::Navigate(asked) => asked.navigate(&files, progress),
         Request::StudyOfLog(asked) => asked.study(&files, progress),
@@ -72,14 +78,16 @@ fn answer(Message { json, files }: Message, progress: &Watch) -> Result<Reply, R
                 sagnac::use_cases::convert(&text).map_err(|error| Refusal::usage(&error.to_string()))?;
             Ok(Reply::new(json!(found)))
         }
-        Request::Verify { units } => verified(units),
+        Request::Verify { units } => verified(&mut [], units),
+        Request::GpuVerifyDispatches { units } => gpu::noted(|device| verified(&mut [device], units)),
+        Request::GpuVerify { units } => verified(&mut [gpu::answering(&files)], units),
     }
 }
 
-/// The digests of all kernels, with whether all widths of this processor agree.
-fn verified(units: u64) -> Result<Reply, Refusal> {
+/// The digests of all kernels, with whether all widths of this processor and some devices agree.
+fn verified(devices: &mut [Device], units: u64) -> Result<Reply, Refusal> {
     let mut verdicts = vec![];
-    verify::verify(&mut [], units, |verdict| verdicts.push(verdict.clone()))
+    verify::verify(devices, units, |verdict| verdicts.push(verdict.clone()))
         .map_err(|error| Refusal::other(&error.to_string()))?;
     let row = |verdict: &verify::Verdict| -> Value {
         let digest = format!("{:016x}", verdict.digest);

@@ -1,8 +1,10 @@
 //! Logs: what is recognised of one, its analysis, models for filters, navigators, and the comparison of two.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use sagnac::allan::angles::Trend;
+use sagnac::analysis::data_sheet::Intervals;
 use sagnac::analysis::log::{NoiseRequest, Treatment};
 use sagnac::analysis::model::writers::WRITERS;
 use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
@@ -15,13 +17,15 @@ use sagnac::record::log::read::{Hints, Request, Timing};
 use sagnac::record::log::{Log, Thermometer};
 use sagnac::use_cases::Outcome;
 use sagnac::use_cases::{self, AllanRequest, CompareRequest, ModelSource, Segments};
-use sagnac_base::progress::Progress;
+use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, parse};
+use sagnac_engine::kinds::allan::run::Simulator;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::message::{Refusal, Reply, in_page};
+use crate::simulation::{Part, Player, Recorder};
 
 /// The options for reading a log; an empty one leaves the choice to the file.
 #[derive(Deserialize, Default)]
@@ -52,9 +56,21 @@ pub(crate) struct OneLog {
     name: String,
     #[serde(default)]
     options: Options,
-    /// Whether the intervals of coefficients are those of simulated records.
+    /// Number of simulated records for the intervals of coefficients: 0 for intervals in closed form, by default as many as the
+    /// program makes.
+    simulated: Option<usize>,
+    /// Number of parts of simulated records whose files follow that of the log; none where they are still to be made.
     #[serde(default)]
-    simulated: bool,
+    parts: usize,
+}
+
+/// A part of the records that are simulated for the intervals of a log.
+#[derive(Deserialize)]
+pub(crate) struct Simulate {
+    #[serde(flatten)]
+    log: OneLog,
+    #[serde(flatten)]
+    part: Part,
 }
 
 /// Two logs that are compared.
@@ -141,6 +157,7 @@ impl OneLog {
             "data": log.data.name(),
             "columns": log.channels.iter().map(column).collect::<Vec<_>>(),
             "notes": log.notes.iter().map(|note| in_page(note)).collect::<Vec<_>>(),
+            "records": Intervals::simulated(None, log.samples() * log.channels.len()).records,
         })))
     }
 
@@ -148,13 +165,18 @@ impl OneLog {
         &self,
         files: &[&[u8]],
         navigators: Option<NavigatorRequest>,
+        simulator: Option<Arc<dyn Simulator>>,
         progress: &dyn Progress,
     ) -> Result<Outcome, Refusal> {
         let mut log = self.options.read(&self.name, files.first())?;
-        let simulated = if self.simulated { None } else { Some(0) };
         let request = AllanRequest {
             treatment: Treatment::AS_RECORDED,
-            noise: NoiseRequest { fitting: fitting(), simulated, ..NoiseRequest::default() },
+            noise: NoiseRequest {
+                fitting: fitting(),
+                simulated: self.simulated,
+                simulator,
+                ..NoiseRequest::default()
+            },
             segments: Some(Segments { length_s: None, trend: Trend::None, is_required: false }),
             effects: Effects::parse("auto").map_err(|why| Refusal::usage(&why))?,
             is_compensated: false,
@@ -166,13 +188,15 @@ impl OneLog {
     }
 
     pub(crate) fn allan(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
-        Reply::of_outcome(&self.analyzed(files, None, progress)?)
+        let made = (self.parts > 0).then(|| Player::new(files.get(1..).unwrap_or_default(), self.parts));
+        let simulator = made.map(|made| Arc::new(made) as Arc<dyn Simulator>);
+        Reply::of_outcome(&self.analyzed(files, None, simulator, progress)?)
     }
 
     /// The distance from their place within which 95 % of navigators with such gyros are after an hour.
     pub(crate) fn navigate(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
         let request = NavigatorRequest { duration_s: 3600.0, limit: None };
-        Reply::of_outcome(&self.analyzed(files, Some(request), progress)?)
+        Reply::of_outcome(&self.analyzed(files, Some(request), None, progress)?)
     }
 
     /// Models that bound the noise of further records, with files for all tools.
@@ -206,7 +230,7 @@ impl OneLog {
             );
             return Err(Refusal::usage(&message));
         };
-        let outcome = self.analyzed(files, None, progress)?;
+        let outcome = self.analyzed(files, None, None, progress)?;
         let is_noise = |(name, _): &&(String, Vec<u8>)| name.starts_with("noise") && name.ends_with(".toml");
         let (_, noise) = outcome.files.iter().find(is_noise).ok_or_else(|| {
             Refusal::usage(
@@ -222,6 +246,16 @@ impl OneLog {
              [record]\nsample = \"{step}\"\nlength = \"{length}\"\n\n[allan]\nfit = \"auto\"\n\n[noise]{noise}"
         );
         Ok(Reply::new(json!({ "text": text })))
+    }
+}
+
+impl Simulate {
+    /// The sums of a part of the records.
+    pub(crate) fn answer(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
+        let recorder = Arc::new(Recorder::default());
+        self.log.analyzed(files, None, Some(recorder.clone()), &Silent)?;
+        let sums = recorder.sums(&self.part, progress)?;
+        Ok(sums.into_iter().fold(Reply::new(json!({})), Reply::with_file))
     }
 }
 

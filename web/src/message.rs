@@ -2,7 +2,6 @@
 
 use sagnac::analysis::decision::DecisionError;
 use sagnac::record::RecordError;
-use sagnac::report::page::FILE as REPORT;
 use sagnac::run::RunError;
 use sagnac::store::StoreError;
 use sagnac::use_cases::LogError;
@@ -56,31 +55,23 @@ impl Reply {
         self
     }
 
-    /// An outcome: its answer as text, its page, and its tables and further files.
+    /// An outcome: its headline and notes, its page, and the names of its tables and further files, which follow the page.
     pub(crate) fn of_outcome(outcome: &Outcome) -> Result<Reply, Refusal> {
-        let answer = &outcome.page.answer;
         let mut files = vec![outcome.page.html(&in_page).into_bytes()];
-        let mut named = vec![];
+        let mut names: Vec<&str> = vec![];
         for (name, table) in outcome.all_tables() {
             let mut csv = vec![];
             table.write_csv(&mut csv).map_err(|error| Refusal::other(&error.to_string()))?;
-            named.push(json!({ "name": name, "kind": "table" }));
+            names.push(*name);
             files.push(csv);
         }
         for (name, contents) in &outcome.files {
-            named.push(json!({ "name": name, "kind": "file" }));
+            names.push(name);
             files.push(contents.clone());
         }
         let notes: Vec<String> = outcome.page.all_notes().iter().map(|note| in_page(note)).collect();
-        let json = json!({
-            "title": outcome.page.title,
-            "headline": answer.headline,
-            "answer": answer.text(WIDTH),
-            "notes": notes,
-            "report": REPORT,
-            "files": named,
-        });
-        Ok(Reply { json, files })
+        let headline = &outcome.page.answer.headline;
+        Ok(Reply { json: json!({ "headline": headline, "notes": notes, "files": names }), files })
     }
 
     /// Adds a value.

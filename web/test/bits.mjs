@@ -17,12 +17,15 @@ async function pointsOf(study, trials, workers) {
   return by.startsWith(workers > 0 ? `${workers} worker` : "WebGPU on") && !by.includes(";") ? reply.digest : by;
 }
 
-/** Runs in the page: the SHA-256 of the page and of the tables of a log. */
-async function filesOf(name, letters, options) {
+/** Runs in the page: the SHA-256 of the page and of the tables of a log, with intervals from records up to each of some numbers. */
+async function filesOf(name, letters, options, records) {
   const { engine } = await import("/engine.js");
   const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
-  const { reply, blobs } = await engine.ask({ call: "allan", name, options }, { blobs: [bytes] });
-  const names = ["report.html", ...reply.files.map((file) => file.name)];
+  const parts = [];
+  for (const [at, to] of records.entries()) parts.push(...await engine.simulate({ name, options, from: records[at - 1] ?? 0, to }, { blobs: [bytes] }));
+  const request = { call: "allan", name, options, simulated: records.at(-1) ?? 0, parts: parts.length };
+  const { reply, blobs } = await engine.ask(request, { blobs: [bytes, ...parts.flat()] });
+  const names = ["report.html", ...reply.files];
   const hash = async (blob) => Array.from(new Uint8Array(await crypto.subtle.digest("SHA-256", blob)), (byte) => byte.toString(16).padStart(2, "0")).join("");
   return Object.fromEntries(await Promise.all(blobs.map(async (blob, at) => [names[at], await hash(blob)])));
 }
@@ -32,6 +35,14 @@ async function digestOfKernels() {
   const { digest, rows } = (await engine.ask({ call: "verify", units: 4096 })).reply;
   const other = rows.filter(({ identical }) => !identical).map(({ kernel }) => kernel);
   return other.length === 0 ? `${digest} by ${(await engine.about).lanes}` : `another width differs in ${other.join(", ")}`;
+}
+
+/** Runs in the page: the digest of the kernels, where the GPU has their bits. */
+async function digestOnGpu(units) {
+  const { engine } = await import("/engine.js");
+  const { digest, rows } = await engine.verifyOnGpu(units, {});
+  const other = rows.filter(({ identical }) => !identical).map(({ kernel }) => kernel);
+  return other.length === 0 ? digest : `the GPU differs in ${other.join(", ")}`;
 }
 
 /** Trials of a study on a GPU in software. */
@@ -51,14 +62,17 @@ try {
     for (const { name, study: { trials, ...study }, expected } of studies(gallery)) {
       expect(`${engine}: ${name}`, await page.evaluate(pointsOf, study, trials, workers), expected);
     }
-    for (const { name, bytes, options, expected } of logs(program)) {
-      const found = await page.evaluate(filesOf, name, bytes.toString("base64"), options);
-      for (const [file, digest] of Object.entries(expected)) expect(`${engine}: ${name}: ${file}`, found[file], digest);
+    for (const [records, intervals] of [[[], "closed form"], [[200, 1000], "simulated"]]) {
+      for (const { name, bytes, options, expected } of logs(program, { simulated: records.length > 0 })) {
+        const found = await page.evaluate(filesOf, name, bytes.toString("base64"), options, records);
+        for (const [file, digest] of Object.entries(expected)) expect(`${engine}, ${intervals}: ${name}: ${file}`, found[file], digest);
+      }
     }
     await page.close();
   }
   // A GPU in software is slow: it makes few trials, as many as workers make beside it.
   const [gpu, workers] = [await browser.open(`${site.origin}/?webgpu`), await browser.open(site.origin)];
+  expect("WebGPU: kernels", await gpu.evaluate(digestOnGpu, 4096), kernels());
   for (const { name, study: { trials, ...study } } of studies(gallery)) {
     const few = Math.min(trials, FEW);
     expect(`WebGPU: ${name}`, await gpu.evaluate(pointsOf, study, few, 0), await workers.evaluate(pointsOf, study, few, 3));

@@ -43,12 +43,26 @@ export function studies(gallery) {
   });
 }
 
-/** The logs as requests, with the digests of the files that the program writes. */
-export function logs(program) {
-  return LOGS.map(([path, given, words]) => {
+/** The page that the program writes of a study, once its results are complete. */
+export function pageOf(program, { name, trials }) {
+  const folder = mkdtempSync(join(tmpdir(), "sagnac-study-"));
+  execFileSync(program, ["run", name, "--trials", trials, "--device", "cpu", "--out", folder, "--quiet"], { cwd: join(root, "studies") });
+  execFileSync(program, ["report", folder, "--quiet"]);
+  const page = readFileSync(join(folder, "report.html"));
+  rmSync(folder, { recursive: true });
+  return page;
+}
+
+/** A page without the machine and the seconds that its trials took, in which alone two runs of the program differ. */
+export const withoutMachine = (page) => page.toString().replace(/<dt>Sampled<\/dt>\s*<dd>.*?<\/dd>/s, "");
+
+/** The logs as requests, with the digests of the files that the program writes, with intervals in closed form unless they are `simulated`. */
+export function logs(program, { simulated = false } = {}) {
+  const closed = simulated ? [] : ["--bootstrap", "0"];
+  return LOGS.slice(0, simulated ? 2 : LOGS.length).map(([path, given, words]) => {
     const folder = mkdtempSync(join(tmpdir(), "sagnac-log-"));
     // Only the name of the file is known in a browser.
-    execFileSync(program, ["allan", path.split("/").at(-1), ...words, "--bootstrap", "0", "--out", folder, "--quiet"], {
+    execFileSync(program, ["allan", path.split("/").at(-1), ...words, ...closed, "--out", folder, "--quiet"], {
       cwd: join(root, path, ".."),
     });
     const expected = Object.fromEntries(["report.html", "coefficients.csv", "curve.csv"].map((name) => [name, sha256(readFileSync(join(folder, name)))]));

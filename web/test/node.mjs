@@ -3,7 +3,7 @@
 import { readFileSync, readdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { instance } from "../instance.mjs";
-import { agrees, kernels, logs, sha256, studies } from "./digests.mjs";
+import { agrees, kernels, logs, pageOf, sha256, studies, withoutMachine } from "./digests.mjs";
 
 const [site, program] = process.argv.slice(2).map((path) => resolve(path));
 
@@ -13,19 +13,22 @@ const expect = (name, found, expected) => {
 };
 const gallery = JSON.parse(readFileSync(join(site, "gallery.json")));
 const [ofStudies, ofLogs] = [studies(gallery), logs(program)];
+const pages = ofStudies.map(({ study }) => withoutMachine(pageOf(program, study)));
 for (const [file, lanes] of [["sagnac.wasm", "portable"], ["sagnac_simd.wasm", "SIMD128"]]) {
   const ask = instance(join(site, file));
   expect(`${lanes}: width`, ask({ call: "about" }).lanes, lanes);
   const { digest, rows } = ask({ call: "verify", units: 4096 });
   expect(`${lanes}: kernels`, digest, kernels());
   expect(`${lanes}: widths that differ`, rows.filter(({ identical }) => !identical).length, 0);
-  for (const { name, study, expected } of ofStudies) {
+  for (const [at, { name, study, expected }] of ofStudies.entries()) {
     const shares = [1, 2].map((number) => ask({ call: "share", ...study, number, of: 2 }).blobs[0]);
-    expect(`${lanes}: ${name}`, ask({ call: "outcome", ...study, complete: false }, shares).digest, expected);
+    const { digest, blobs } = ask({ call: "outcome", ...study, complete: true }, shares);
+    expect(`${lanes}: ${name}`, digest, expected);
+    expect(`${lanes}: ${name}: report.html`, sha256(withoutMachine(Buffer.from(blobs[0]))), sha256(pages[at]));
   }
   for (const { name, bytes, options, expected } of ofLogs) {
-    const { files, blobs } = ask({ call: "allan", name, options }, [bytes]);
-    const found = { "report.html": blobs[0], ...Object.fromEntries(files.map((file, at) => [file.name, blobs[at + 1]])) };
+    const { files, blobs } = ask({ call: "allan", name, options, simulated: 0 }, [bytes]);
+    const found = { "report.html": blobs[0], ...Object.fromEntries(files.map((name, at) => [name, blobs[at + 1]])) };
     for (const [table, digest] of Object.entries(expected)) expect(`${lanes}: ${name}: ${table}`, sha256(found[table]), digest);
   }
 }
@@ -36,7 +39,7 @@ const allowed = 1.5 * 2 ** 30;
 let refused = 0;
 for (const { name, bytes, isBomb } of [...ofLogs.filter(({ bytes }) => bytes.length < 1e5).flatMap(damaged), ...bombs]) {
   try {
-    ask({ call: "allan", name, options: { data: "rate", unit: "rad/s", column: "2", rate: "200 Hz" } }, [bytes]);
+    ask({ call: "allan", name, options: { data: "rate", unit: "rad/s", column: "2", rate: "200 Hz" }, simulated: 0 }, [bytes]);
   } catch (error) {
     if (error.constructor !== Error) {
       console.log(`FAIL ${name}: ${error.message}`);

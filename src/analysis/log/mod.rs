@@ -15,6 +15,7 @@ pub mod report;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -23,6 +24,7 @@ use crate::analysis::temperature::smoothing::Course;
 use crate::analysis::temperature::{MIN_CHANGE, smoothing};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
+use sagnac_engine::kinds::allan::run::Simulator;
 use sagnac_records::allan::{
     Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Overdispersion, Point, TauError, Taus, Trend, Unit,
     curve, minimum, suppose,
@@ -44,7 +46,7 @@ pub const ENDINGS: [&str; 15] =
     ["csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw"];
 
 /// The request for an analysis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct NoiseRequest {
     /// Averaging times.
     pub taus: Taus,
@@ -59,6 +61,8 @@ pub struct NoiseRequest {
     /// Number of simulated records for the intervals of coefficients, 0 for intervals in closed form; by default as
     /// many as take a few seconds.
     pub simulated: Option<usize>,
+    /// The simulator of these records; by default the processor.
+    pub simulator: Option<Arc<dyn Simulator>>,
 }
 
 impl Default for NoiseRequest {
@@ -71,6 +75,7 @@ impl Default for NoiseRequest {
             intervals: Suppose::Record,
             fitting: None,
             simulated: Some(0),
+            simulator: None,
         }
     }
 }
@@ -531,8 +536,9 @@ fn column(
     if request.keeps_events() && !treatment.events_removed {
         events = events.kept(&recorded);
     }
-    let noise =
-        request.fitting.as_ref().map(|request| DataSheet::new(&events, request, unit, simulated)).transpose();
+    let simulator = request.simulator.as_deref();
+    let sheet = |fitting: &Fitting| DataSheet::new(&events, fitting, unit, simulated, simulator);
+    let noise = request.fitting.as_ref().map(sheet).transpose();
     Ok(Column { curves, events: listed(events.list, &noise), noise, ..column })
 }
 

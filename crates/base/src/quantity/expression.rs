@@ -3,7 +3,8 @@
 //! ```text
 //! expression = power { ("/" | "*" | "·") power }        left to right
 //! power      = primary [ "^" ["-"] digits ]
-//! primary    = "(" expression ")" | "sqrt" "(" expression ")" | "√" primary | "1" | symbol
+//! primary    = "(" expression ")" | root "(" expression ")" | root symbol | "√" primary | "1" | symbol
+//! root       = "sqrt" | "rt"
 //! ```
 
 use std::fmt;
@@ -68,13 +69,13 @@ pub struct Size {
 }
 
 /// All symbols, each with its size in base units and the powers (in halves) of ″, s, g, pulse.
-const SYMBOLS: [(&[&str], f64, [i32; 4]); 29] = [
+const SYMBOLS: [(&[&str], f64, [i32; 4]); 32] = [
     (&["s"], 1.0, [0, 2, 0, 0]),
     (&["ms"], 1e-3, [0, 2, 0, 0]),
     (&["us", "µs", "μs"], 1e-6, [0, 2, 0, 0]),
     (&["ns"], 1e-9, [0, 2, 0, 0]),
     (&["min"], 60.0, [0, 2, 0, 0]),
-    (&["h"], 3600.0, [0, 2, 0, 0]),
+    (&["h", "hr"], 3600.0, [0, 2, 0, 0]),
     (&["Hz"], 1.0, [0, -2, 0, 0]),
     (&["kHz"], 1e3, [0, -2, 0, 0]),
     (&["arcsec", "″", "\""], 1.0, [2, 0, 0, 0]),
@@ -84,6 +85,9 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 29] = [
     (&["rad"], ARCSEC_PER_RAD, [2, 0, 0, 0]),
     (&["mrad"], ARCSEC_PER_RAD * 1e-3, [2, 0, 0, 0]),
     (&["urad", "µrad", "μrad"], ARCSEC_PER_RAD * 1e-6, [2, 0, 0, 0]),
+    (&["dps"], 3600.0, [2, -2, 0, 0]),
+    (&["mdps"], 3.6, [2, -2, 0, 0]),
+    (&["dph"], 1.0, [2, -2, 0, 0]),
     (&["g"], 1.0, [0, 0, 2, 0]),
     (&["mg"], 1e-3, [0, 0, 2, 0]),
     (&["ug", "µg", "μg"], 1e-6, [0, 0, 2, 0]),
@@ -197,11 +201,19 @@ impl<'a> Parser<'a> {
         }
         match self.symbol() {
             "" => Err(self.malformed()),
-            "sqrt" if self.eat("(") => {
+            "sqrt" | "rt" if self.eat("(") => {
                 let under = self.closed()?;
                 self.root(under)
             }
-            symbol => lookup(symbol).ok_or_else(|| UnitError::Unknown(symbol.to_owned())),
+            symbol => match lookup(symbol) {
+                Some(size) => Ok(size),
+                // As in mdps/rtHz.
+                None => {
+                    let under = symbol.strip_prefix("sqrt").or_else(|| symbol.strip_prefix("rt"));
+                    let under = under.and_then(lookup).ok_or_else(|| UnitError::Unknown(symbol.to_owned()))?;
+                    self.root(under)
+                }
+            },
         }
     }
 

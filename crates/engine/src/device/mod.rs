@@ -157,9 +157,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
             Device::Gpu(gpu) => gpu.map(map, items),
-            Device::Remote(_) => {
-                Err(GpuError::Refused("building blocks run on devices of the program alone".to_owned()))
-            }
+            Device::Remote(remote) => remote.map(map, items),
             Device::Group(group) => group.first().map(map, items),
         }
     }

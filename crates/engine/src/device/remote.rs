@@ -5,11 +5,13 @@
 //! zeros, then, when the GPU has answered them, with one that gives these answers in their order.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use crate::device::tile::{Part, Place, Tiler, add_results, grid, sums_of_records};
 use crate::device::{Advance, GpuError, Job, Tallies};
 use sagnac_kernel::curve::{RING_LANES, Recorded};
-use sagnac_kernel::launch::{Launch, MAX_STEPS};
+use sagnac_kernel::launch::{Launch, MAX_STEPS, Sampled};
+use sagnac_kernel::map::Map;
 use sagnac_kernel::moments::{BINS, Moments, PARTIAL_WORDS, Trials};
 use sagnac_kernel::recipe::CHUNK;
 use sagnac_kernel::record::SUM_WORDS;
@@ -82,14 +84,15 @@ pub trait Runner: Send {
 /// A device behind a [`Runner`].
 pub struct Remote {
     runner: Box<dyn Runner>,
-    /// The shaders whose first answer was compared with that of the processor.
-    tested: HashSet<String>,
+    /// Estimates, with and without histogram, and shaders of records whose first answer was compared with that of the processor.
+    tested: HashSet<(Arc<dyn Sampled>, bool)>,
+    tested_records: HashSet<String>,
 }
 
 impl Remote {
     /// The device of a runner.
     pub fn new(runner: Box<dyn Runner>) -> Remote {
-        Remote { runner, tested: HashSet::new() }
+        Remote { runner, tested: HashSet::new(), tested_records: HashSet::new() }
     }
 
     pub(crate) fn name(&self) -> String {
@@ -104,6 +107,17 @@ impl Remote {
             }
             found => Ok(found),
         }
+    }
+
+    /// The results of a building block; zeros where they are not known yet.
+    pub(crate) fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
+        let count = items.len() / map.inputs;
+        let (shader, has_normals) = map.shader(VARIANT);
+        let words = count * map.outputs;
+        let passes = vec![Pass { uniform: vec![], grid: [(count as u32).div_ceil(VARIANT.workgroup), 1] }];
+        let (inputs, outputs) = (vec![(1, items.to_vec())], vec![(2, words)]);
+        let found = self.run(Dispatch { shader, has_normals, inputs, scratch: vec![], outputs, passes })?;
+        Ok(found.unwrap_or_else(|| vec![0; words]))
     }
 
     pub(crate) fn tally(
@@ -162,7 +176,7 @@ impl Remote {
 
     /// Compares the first answer of a shader with that of the processor.
     fn test(&mut self, launch: &Launch, histogram: bool) -> Result<(), GpuError> {
-        if !self.tested.insert(launch.shader(histogram, VARIANT).0) {
+        if !self.tested.insert((Arc::clone(launch.sampled()), histogram)) {
             return Ok(());
         }
         let count = (MAX_STEPS / launch.steps()).clamp(1, VARIANT.workgroup.into());
@@ -186,7 +200,7 @@ impl Remote {
         if let Some(most) = [bytes, table].into_iter().max().filter(|most| *most > MAX_BYTES) {
             return Err(GpuError::TooLong { bytes: most as u64, most: MAX_BYTES as u64 });
         }
-        if self.tested.insert(recipe.shader(VARIANT).0) {
+        if self.tested_records.insert(recipe.shader(VARIANT).0) {
             // The shader does not depend on the length of the records.
             let short = recipe.shortened(2 * CHUNK as u32);
             if self.batch(&*short, 0, 2)?.is_some_and(|found| found != short.sums(Width::widest(), 0, 2)) {

@@ -469,22 +469,32 @@ const STRIDE: Stride = Stride::Part(64);
 /// kernel refuses terms that are too small relative to the others.
 const SEEN: f64 = 1e-6;
 
-/// The curves of `count` simulated records of a fit, one per row. The records have the length and the averaging factors
-/// of the fitted curve.
+/// A maker of simulated records, such as a processor, or several that share the work and know nothing of each other.
+pub trait Simulator: core::fmt::Debug + Send + Sync {
+    /// The sums of the records `0..count` of a recipe, one record after the other; `None` where some are not known yet.
+    fn simulate(&self, recipe: &dyn Recorded, count: usize) -> Option<Vec<u128>>;
+}
+
+impl Simulator for Cpu {
+    fn simulate(&self, recipe: &dyn Recorded, count: usize) -> Option<Vec<u128>> {
+        Some(self.sums(recipe, 0, count, &|_| ()))
+    }
+}
+
+/// The curves of `count` simulated records of a fit, one per row; `None` where the simulator does not know some yet. The records
+/// have the length and the averaging factors of the fitted curve.
 ///
 /// Every random number is determined by the fitted curve and the number of the record, so the same record has the same
-/// realizations on every machine, and a larger count extends the same sequence. `progress` receives the number of
-/// completed records.
+/// realizations on every machine, and a larger count extends the same sequence.
 ///
 /// # Errors
 /// The fit cannot be represented in the kernel's fixed point: see [`Unrepresentable`].
 pub fn realizations(
-    cpu: &Cpu,
+    simulator: &dyn Simulator,
     curve: &Curve,
     fit: &Fit,
     count: usize,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Vec<f64>>, Unrepresentable> {
+) -> Result<Option<Vec<Vec<f64>>>, Unrepresentable> {
     let process = seen(&without_band_limit(&fit.process), curve);
     let records = Records::new(&Asked {
         process: &process,
@@ -496,8 +506,10 @@ pub fn realizations(
         ms: curve.ms(),
         key: key(curve),
     })?;
-    let sums = cpu.sums(records.recipe(), 0, count, progress);
-    Ok(sums.chunks_exact(records.recipe().places()).map(|sums| records.variances(sums)).collect())
+    let rows = |sums: Vec<u128>| {
+        sums.chunks_exact(records.recipe().places()).map(|sums| records.variances(sums)).collect()
+    };
+    Ok(simulator.simulate(records.recipe(), count).map(rows))
 }
 
 /// The process with its angle random walk N and band limit L as Markov noise, which is white noise through a first-order
