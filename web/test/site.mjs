@@ -1,8 +1,8 @@
 // node web/test/site.mjs FOLDER [NAME…]: tests of the built site in Chromium, all or those whose names contain one of NAME.
 
 import { resolve } from "node:path";
-import { deflateRawSync } from "node:zlib";
 import { Browser, serve, wait } from "./browser.mjs";
+import { STATES, bare, goTo, hasReport, isShown, linkOf, survey } from "./looks.mjs";
 
 const STUDY = `title = "A gap in a vibration"
 question = "Which filler is best?"
@@ -26,11 +26,8 @@ key = "switching.gap_ticks"
 list = [1, 2, 3]
 `;
 
-const VIEWS = ["log", "studies", "study", "convert", "verify"];
-const shown = (view) => `!document.getElementById("view-${view}").hidden`;
 /** Whether the service worker has all files and serves the page. */
 const IS_KEPT = `navigator.serviceWorker.ready.then((registration) => registration.active?.state === "activated" && Boolean(navigator.serviceWorker.controller))`;
-const linkOf = (text) => `#s=${deflateRawSync(text).toString("base64url")}`;
 
 function check(condition, why) {
   if (!condition) throw new Error(why);
@@ -42,14 +39,14 @@ const tests = {
     for (const [label, view] of [["Studies", "studies"], ["Convert units", "convert"], ["Verify", "verify"], ["Analyze a log", "log"]]) {
       await tabTo(page, label);
       await page.press("Enter");
-      await page.until(shown(view), `view ${view} after Enter on ${label}`);
+      await page.until(isShown(view), `view ${view} after Enter on ${label}`);
     }
     await tabTo(page, "Studies");
     await page.press("Enter");
     await page.until(`document.querySelector("#gallery a")`, "the gallery");
     await tabTo(page, await page.evaluate(`document.querySelector("#gallery h2").textContent`));
     await page.press("Enter");
-    await page.until(shown("study"), "the view of a study");
+    await page.until(isShown("study"), "the view of a study");
     await page.until(`document.querySelector("#sliders input")`, "sliders");
     const name = await page.evaluate(`document.querySelector("#sliders label").textContent`);
     const before = await page.evaluate(`document.getElementById("study-text").value`);
@@ -58,30 +55,30 @@ const tests = {
     check(before !== (await page.evaluate(`document.getElementById("study-text").value`)), "an arrow key on a slider did not change the text");
   },
 
-  async every_control_has_a_name(page) {
-    for (const view of ["log", "studies", "convert", "verify"]) {
-      await page.evaluate((name) => { location.hash = name; }, view);
-      await page.until(shown(view), `view ${view}`);
-      await named(page, view);
+  async every_state_is_legible_in_light_and_dark_and_has_no_barriers(page) {
+    for (const [state, enter] of Object.entries(STATES)) {
+      await enter(page);
+      await named(page, state);
+      const ratios = [];
+      for (const scheme of ["light", "dark"]) {
+        await page.scheme(scheme);
+        const { contrast, faint, barriers } = await page.evaluate(survey);
+        check(faint.length === 0, `${state}, ${scheme}, contrast of ${faint.slice(0, 5).join("; ")}`);
+        check(barriers.length === 0, `${state}, ${barriers.slice(0, 5).join("; ")}`);
+        ratios.push(`${contrast.toFixed(2)} in ${scheme}`);
+      }
+      console.log(`   ${state}: least contrast ${ratios.join(", ")}`);
     }
-    await page.evaluate(`document.getElementById("example").click()`);
-    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example");
-    await page.evaluate(`document.getElementById("log-options").open = true`);
-    await named(page, "log with a report");
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
-    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
-    await named(page, "study");
   },
 
-  async nothing_scrolls_sideways_on_a_phone(page) {
+  async nothing_is_broken_or_scrolls_sideways_on_a_phone(page) {
     await page.viewport(390, 844, true);
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
-    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
-    for (const view of VIEWS) {
-      await page.evaluate((name) => { location.hash = name; }, view);
-      await page.until(shown(view), `view ${view}`);
-      const width = await page.evaluate(`document.documentElement.scrollWidth`);
-      check(width <= 390, `view ${view} is ${width} px wide`);
+    await page.reload();
+    for (const [state, enter] of Object.entries(STATES)) {
+      await enter(page);
+      const { broken, barriers } = await page.evaluate(survey);
+      check(broken.length === 0, `${state}, broken: ${broken.slice(0, 5).join("; ")}`);
+      check(barriers.length === 0, `${state}, ${barriers.slice(0, 5).join("; ")}`);
     }
   },
 
@@ -109,12 +106,12 @@ const tests = {
     await page.until(IS_KEPT, "the service worker");
     const before = requests.length;
     await page.evaluate(`document.getElementById("example").click()`);
-    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example");
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
-    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
+    await page.until(hasReport("log"), "the report of the example");
+    await goTo(page, linkOf(STUDY));
+    await page.until(hasReport("study"), "the report of a study");
     for (const view of ["studies", "convert", "verify"]) {
-      await page.evaluate((name) => { location.hash = name; }, view);
-      await page.until(shown(view), `view ${view}`);
+      await goTo(page, view);
+      await page.until(isShown(view), `view ${view}`);
     }
     // The browser itself asks whether the service worker is the newest.
     const asked = requests.slice(before).filter((url) => url !== "/sw.js");
@@ -128,25 +125,25 @@ const tests = {
     await site.close();
     await page.reload();
     await page.evaluate(`document.getElementById("example").click()`);
-    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example without a server");
-    await page.evaluate(`location.hash = "studies"`);
+    await page.until(hasReport("log"), "the report of the example without a server");
+    await goTo(page, "studies");
     await page.until(`document.querySelectorAll("#gallery article").length > 0`, "the gallery without a server");
   },
 
   async a_log_without_a_rate_opens_the_form_at_it(page) {
-    await page.drop([{ name: "bare.csv", bytes: Buffer.from(`rate [deg/h]\n${Array.from({ length: 3000 }, (_, at) => Math.sin(at * at).toFixed(4)).join("\n")}\n`) }]);
+    await page.drop([bare]);
     await page.until(`!document.getElementById("log-error").hidden`, "the message");
     const focused = await page.evaluate(`document.getElementById("log-options").open && document.activeElement.name`);
     check(focused === "rate", `the focus is in ${focused}`);
     await page.evaluate(`document.activeElement.value = "100 Hz"`);
     await page.press("Enter");
-    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report after the rate was given");
+    await page.until(hasReport("log"), "the report after the rate was given");
     await page.until(`document.getElementById("log-error").hidden`, "the message to go");
   },
 
   async mistakes_are_shown_while_typing(page) {
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
-    await page.until(`document.querySelector("#study-report iframe:not(.incoming)")`, "the report of a study");
+    await goTo(page, linkOf(STUDY));
+    await page.until(hasReport("study"), "the report of a study");
     const type = (from, to) => page.evaluate((before, after) => {
       const text = document.getElementById("study-text");
       text.value = text.value.replace(before, after);
@@ -161,7 +158,7 @@ const tests = {
   },
 
   async sweeps_and_sliders_change_their_places_in_the_text(page) {
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
+    await goTo(page, linkOf(STUDY));
     await page.until(`document.querySelector("#sweeps textarea")`, "the field of a sweep");
     const set = (selector, value) => page.evaluate((found, written) => {
       const input = document.querySelector(found);
@@ -189,7 +186,7 @@ const tests = {
     await page.drop([{ name: "empty.csv", bytes: Buffer.alloc(0) }]);
     await page.until(`document.getElementById("log-name").textContent === "empty.csv" && document.getElementById("log-error").textContent`, "a message on an empty file");
     await page.evaluate(`document.getElementById("example").click()`);
-    await page.until(`document.querySelector("#log-report iframe:not(.incoming)")`, "the report of the example afterwards");
+    await page.until(hasReport("log"), "the report of the example afterwards");
   },
 
   async results_depend_neither_on_workers_nor_on_vectors(page, { origin }) {
@@ -203,12 +200,12 @@ const tests = {
   },
 
   async a_link_restores_its_study(page) {
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY));
-    await page.until(shown("study"), "the view of a study");
+    await goTo(page, linkOf(STUDY));
+    await page.until(isShown("study"), "the view of a study");
     await page.until(`document.getElementById("study-text").value`, "the text of the study");
     const text = await page.evaluate(`document.getElementById("study-text").value`);
     check(text === STUDY, `the text became ${JSON.stringify(text.slice(0, 80))}…`);
-    await page.evaluate((hash) => { location.hash = hash; }, linkOf(STUDY).slice(0, 40));
+    await goTo(page, linkOf(STUDY).slice(0, 40));
     await page.until(`!document.getElementById("trouble").hidden`, "a message on a link that was cut off");
   },
 };
@@ -240,7 +237,7 @@ async function named(page, where) {
 }
 
 /** Fails after the time in s that no test takes. */
-async function tooLong(most = 90) {
+async function tooLong(most = 240) {
   await wait(1000 * most);
   throw new Error(`it did not end within ${most} s`);
 }
