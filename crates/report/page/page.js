@@ -111,22 +111,27 @@ function files() {
   });
 }
 
+/** A text of which no line ends between a number and its unit, or within an interval or a name such as LGV-1. */
+const whole = (text) => text.replace(/([\d≤≥=]) (?=\S)/g, "$1\u00a0").replace(/[-–](?=\d)/g, "$&\u2060");
+
 /** A button that copies the answer as text: its headline, its table with tabs, and its facts. */
 function answer() {
   const card = document.getElementById("answer");
   const headline = card?.querySelector(".headline");
   if (!headline?.textContent) return;
   const texts = (parent, selector) => [...parent.querySelectorAll(selector)].map((each) => each.textContent.trim());
-  const text = () => [headline.textContent, ...[...card.querySelectorAll(".options tr")].map((row) => texts(row, "th, td").join("\t")),
+  const text = [headline.textContent, ...[...card.querySelectorAll(".options tr")].map((row) => texts(row, "th, td").join("\t")),
     ...texts(card, ".facts dt").map((name, at) => `${name}\t${texts(card, ".facts dd")[at]}`)].join("\n") + "\n";
-  [...card.querySelectorAll("details.more")].at(-1).append(button("Copy answer", "Copy the answer with its table as text", (event) => copy(text(), event.currentTarget)));
+  [...card.querySelectorAll("details.more")].at(-1).append(button("Copy answer", "Copy the answer with its table as text", (event) => copy(text, event.currentTarget)));
+  card.querySelectorAll(".options :is(th, td)").forEach((each) => each.replaceChildren(element("div", {}, whole(each.textContent))));
   // On phones the first chart comes before what else is worth knowing.
   if (!matchMedia("(max-width: 700px)").matches) return;
   card.querySelectorAll("details.more").forEach((each) => each.removeAttribute("open"));
-  const [best, head] = [".best", "thead"].map((of) => card.querySelector(`.options ${of}`));
-  if (best) best.closest(".scroll").scrollTop = best.offsetTop - head.offsetHeight;
 }
 
+document.querySelectorAll("#closed-forms td:last-child").forEach((each) => {
+  each.textContent = whole(each.textContent);
+});
 theme();
 files();
 answer();
