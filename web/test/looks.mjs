@@ -6,7 +6,7 @@ import { deflateRawSync } from "node:zlib";
 export const linkOf = (text) => `#s=${deflateRawSync(text).toString("base64url")}`;
 export const isShown = (view) => `!document.getElementById("view-${view}").hidden`;
 export const hasReport = (view) => `document.querySelector("#${view}-report iframe:not(.incoming)")`;
-const isIdle = (view) => `document.getElementById("${view}-progress").dataset.state === "idle"`;
+export const isIdle = (view) => `document.getElementById("${view}-progress").dataset.state === "idle"`;
 
 /** Goes to a view or a study. */
 export async function goTo(page, hash) {

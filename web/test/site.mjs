@@ -2,7 +2,7 @@
 
 import { resolve } from "node:path";
 import { Browser, serve, wait } from "./browser.mjs";
-import { STATES, bare, goTo, hasReport, isShown, linkOf, survey } from "./looks.mjs";
+import { STATES, bare, goTo, hasReport, isIdle, isShown, linkOf, survey } from "./looks.mjs";
 
 const STUDY = `title = "A gap in a vibration"
 question = "Which filler is best?"
@@ -141,6 +141,26 @@ const tests = {
     await page.until(`document.getElementById("log-error").hidden`, "the message to go");
   },
 
+  async work_is_stopped_while_the_page_stays_responsive(page) {
+    await goTo(page, linkOf(STUDY.replace("trials = 5000", "trials = 1_000_000_000")));
+    await page.until(`!document.querySelector("#study-actions button").hidden`, "the button that runs all trials");
+    await page.until(isIdle("study"), "the end of the live run");
+    await stopped(page, "study", `document.querySelector("#study-actions button").click()`);
+    const digest = `document.querySelector("#study-ran code")?.textContent`;
+    const before = await page.evaluate(digest);
+    await page.evaluate(`Object.assign(document.querySelector("#sliders input"), { value: 100 }).dispatchEvent(new Event("input"))`);
+    await page.until(`${digest} !== "${before}" && ${isIdle("study")}`, "another answer after the stop");
+    await goTo(page, "#log");
+    await page.evaluate(`globalThis.longLog = new File(["rate [deg/h]\\n", ...Array(100).fill("0.123\\n0.456\\n0.789\\n".repeat(60000))], "long.csv")`);
+    await stopped(page, "log", () => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(globalThis.longLog);
+      document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    });
+    await page.evaluate(`document.getElementById("example").click()`);
+    await page.until(hasReport("log"), "the report of the example after the stop");
+  },
+
   async mistakes_are_shown_while_typing(page) {
     await goTo(page, linkOf(STUDY));
     await page.until(hasReport("study"), "the report of a study");
@@ -219,6 +239,28 @@ async function outcome(text, trials, shares) {
   const { reply, blobs } = await engine.ask({ call: "outcome", ...study, trials, complete: true }, { blobs: rows });
   const hash = await crypto.subtle.digest("SHA-256", blobs[0]);
   return [reply.digest, ...Array.from(new Uint8Array(hash).slice(0, 8), (byte) => byte.toString(16).padStart(2, "0"))].join("");
+}
+
+/** Begins work in a view and stops it after a while, in which a timer of the page must go on, by the button of its progress. */
+async function stopped(page, view, begin) {
+  await page.evaluate(() => {
+    globalThis.longest = 0;
+    let last = performance.now();
+    globalThis.ticking = setInterval(() => {
+      globalThis.longest = Math.max(globalThis.longest, performance.now() - last);
+      last = performance.now();
+    }, 10);
+  });
+  await page.evaluate(begin);
+  await wait(400);
+  const state = `document.getElementById("${view}-progress").dataset.state`;
+  check((await page.evaluate(state)) === "busy", `the work in ${view} ended before it was stopped`);
+  await page.evaluate(`document.querySelector("#${view}-progress button").click()`);
+  await wait(100);
+  const [longest, after, isMessage] = await page.evaluate(`clearInterval(ticking), [longest, ${state}, !document.getElementById("${view}-error").hidden]`);
+  check(after === "stopped" && !isMessage, `after the stop the progress in ${view} is ${after}, ${isMessage ? "with" : "without"} a message`);
+  check(longest < 200, `the page did not answer for ${Math.round(longest)} ms during the work in ${view}`);
+  console.log(`   ${view}: longest gap ${Math.round(longest)} ms`);
 }
 
 /** Presses Tab until what has the focus is called so. */
