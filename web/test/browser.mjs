@@ -34,6 +34,30 @@ export async function serve(folder) {
   return { origin: `http://127.0.0.1:${server.address().port}`, close, requests };
 }
 
+/** A page of any browser, in which `evaluate` gives the value of an expression or a function. */
+export class Tested {
+  /** Waits until a condition holds in the page, and gives its value. */
+  async until(condition, what, milliseconds = 20000) {
+    const end = Date.now() + milliseconds;
+    while (Date.now() < end) {
+      const value = await this.evaluate(condition);
+      if (value) return value;
+      await wait(50);
+    }
+    throw new Error(`${what}: not within ${milliseconds / 1000} s`);
+  }
+
+  /** Drops files on the page: `[{name, bytes}]`. */
+  drop(files) {
+    const coded = files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString("base64") }));
+    return this.evaluate((dropped) => {
+      const dataTransfer = new DataTransfer();
+      for (const { name, base64 } of dropped) dataTransfer.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name));
+      document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    }, coded);
+  }
+}
+
 /** Chromium with a fresh profile, driven over a pipe. */
 export class Browser {
   static async start(more = []) {
@@ -100,13 +124,14 @@ export class Browser {
   }
 }
 
-class Page {
+class Page extends Tested {
   requests = [];
   /** Messages of the console that are errors, and exceptions that nobody caught. */
   faults = [];
   #loaded = () => {};
 
   constructor(browser, sessionId, context) {
+    super();
     Object.assign(this, { browser, sessionId, context });
   }
 
@@ -144,27 +169,6 @@ class Page {
     const { result, exceptionDetails } = await this.send("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });
     if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
     return result.value;
-  }
-
-  /** Waits until a condition holds in the page, and gives its value. */
-  async until(condition, what, milliseconds = 20000) {
-    const end = Date.now() + milliseconds;
-    while (Date.now() < end) {
-      const value = await this.evaluate(condition);
-      if (value) return value;
-      await wait(50);
-    }
-    throw new Error(`${what}: not within ${milliseconds / 1000} s`);
-  }
-
-  /** Drops files on the page: `[{name, bytes}]`. */
-  drop(files) {
-    const coded = files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString("base64") }));
-    return this.evaluate((dropped) => {
-      const dataTransfer = new DataTransfer();
-      for (const { name, base64 } of dropped) dataTransfer.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name));
-      document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
-    }, coded);
   }
 
   async press(key, modifiers = 0) {

@@ -76,6 +76,23 @@ export function kernels() {
   return read("docs/dev/verified-devices.md").toString().match(/`([0-9a-f]{16})` with `--trials 4096`/)[1];
 }
 
+/** Runs in the page: the digest of the points of a study, on so many workers or, with 0, on the GPU. */
+export async function pointsOf(study, trials, workers) {
+  const { engine } = await import("/engine.js");
+  if (workers > 0) engine.shares = workers;
+  const { rows, by } = await engine.sample(study, { trials });
+  const { reply } = await engine.ask({ call: "outcome", ...study, trials, complete: false }, { blobs: rows });
+  return by.startsWith(workers > 0 ? `${workers} worker` : "WebGPU on") && !by.includes(";") ? reply.digest : by;
+}
+
+/** Runs in the page: the digest of all kernels with 4096 units of work, and the width of the vectors. */
+export async function digestOfKernels() {
+  const { engine } = await import("/engine.js");
+  const { digest, rows } = (await engine.ask({ call: "verify", units: 4096 })).reply;
+  const other = rows.filter(({ identical }) => !identical).map(({ kernel }) => kernel);
+  return other.length === 0 ? `${digest} by ${(await engine.about).lanes}` : `another width differs in ${other.join(", ")}`;
+}
+
 /** Prints whether a result is the expected one, and returns it. */
 export function agrees(name, found, expected) {
   console.log(found === expected ? `ok ${name}` : `FAIL ${name}: ${found}, expected ${expected}`);

@@ -128,7 +128,10 @@ export function survey() {
     const which = (selector) => seen.filter((each) => each.matches(selector));
     for (const element of seen) {
       const isDisabled = element.closest(":disabled") !== null;
-      if (element.matches("input:not([type=range]), select, textarea") && !isDisabled) measure(element, element.value || element.name, element.value ? null : "::placeholder");
+      if (element.matches("input:not([type=range]), select, textarea") && !isDisabled) {
+        const isPlaceholder = element.placeholder && !element.value;
+        measure(element, isPlaceholder ? element.placeholder : element.value, isPlaceholder ? "::placeholder" : null);
+      }
       if (element.matches("script, style, option, textarea, title, noscript")) continue;
       for (const node of element.childNodes) {
         if (node.nodeType !== Node.TEXT_NODE || !node.data.trim() || isDisabled) continue;
