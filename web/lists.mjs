@@ -1,5 +1,5 @@
-// node web/lists.mjs SITE: adds to the site the gallery of studies, the example log, the digest of the one script that reports may run,
-// and the list of its files.
+// node web/lists.mjs SITE: adds to the site the style that it shares with reports, the gallery of studies, the example log, the digest of
+// the one script that reports may run, and the list of its files.
 
 import { createHash } from "node:crypto";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
@@ -28,6 +28,11 @@ function* filesOf(folder) {
     else yield path;
   }
 }
+
+const [looks, ...others] = readFileSync(join(root, "crates/report/page/style.css"), "utf8").split("/* Up to here");
+if (others.length !== 1) throw new Error("the style of reports does not say up to where the site has it too");
+const style = join(site, "style.css");
+writeFileSync(style, looks + readFileSync(style, "utf8"));
 
 mkdirSync(join(site, "gallery"));
 const gallery = readdirSync(studies).filter((name) => name.endsWith(".toml")).sort().map((file) => {
