@@ -51,7 +51,7 @@ const example = join(site, "example/gyro_at_rest.csv");
 copyFileSync(join(studies, "data/gyro_at_rest.csv"), example);
 
 // All reports have the same script, which the content security policy names by its digest.
-const request = { call: "allan", name: "gyro_at_rest.csv", options: { rate: "1 Hz" } };
+const request = { call: "allan", name: "gyro_at_rest.csv", options: { rate: "1 Hz" }, simulated: 0 };
 const report = instance(join(site, "sagnac.wasm"))(request, [readFileSync(example)]).blobs[0].toString();
 const scripts = [...report.matchAll(/<script>(.*?)<\/script>/gs)].map(([, script]) => script);
 if (scripts.length !== 1) throw new Error(`a report has ${scripts.length} scripts, expected one`);

@@ -3,7 +3,7 @@
 import { button, byId, element, showError, table } from "./elements.js";
 import { engine } from "./engine.js";
 
-const EXAMPLES = ["0.0135 deg/s/sqrt(Hz)", "0.003 deg/sqrt(h)", "8.7e-5 rad/s/sqrt(Hz)", "0.5 deg/h/sqrt(h)", "2 deg/h"];
+const EXAMPLES = ["0.0135 deg/s/sqrt(Hz)", "0.003 deg/sqrt(h)", "4 mdps/rtHz", "8.7e-5 rad/s/sqrt(Hz)", "0.5 deg/h/sqrt(h)", "2 deg/h"];
 
 export class ConvertView {
   constructor() {
