@@ -17,7 +17,7 @@ use sagnac::fit::selection::Terms;
 use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{Part, Process};
 
-#[path = "../tests/desks/noise.rs"]
+#[path = "../tests/common/noise.rs"]
 mod noise;
 
 const PAIRS: u64 = 1000;

@@ -4,7 +4,7 @@
 //! `SAGNAC_FUZZ_SECONDS=600 cargo test --release --test fuzz studies -- --nocapture`. A failing input is kept in the
 //! corpus; `SAGNAC_FUZZ_SEED` repeats a run.
 
-#[path = "../desks/formats.rs"]
+#[path = "../common/formats.rs"]
 mod formats;
 
 mod bombs;

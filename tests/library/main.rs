@@ -1,20 +1,20 @@
-//! Tests of the library `sagnac`. What they share is in `tests/desks`.
+//! Tests of the library `sagnac`. What they share is in `tests/common`.
 
-#[path = "../desks/devices.rs"]
+#[path = "../common/devices.rs"]
 mod devices;
-#[path = "../desks/fitted.rs"]
+#[path = "../common/fitted.rs"]
 mod fitted;
-#[path = "../desks/formats.rs"]
+#[path = "../common/formats.rs"]
 mod formats;
-#[path = "../desks/generated.rs"]
+#[path = "../common/generated.rs"]
 mod generated;
-#[path = "../desks/noise.rs"]
+#[path = "../common/noise.rs"]
 mod noise;
-#[path = "../desks/reference/mod.rs"]
+#[path = "../common/reference/mod.rs"]
 mod reference;
-#[path = "../desks/stores.rs"]
+#[path = "../common/stores.rs"]
 mod stores;
-#[path = "../desks/studies.rs"]
+#[path = "../common/studies.rs"]
 mod studies;
 
 mod allan_closed_forms;

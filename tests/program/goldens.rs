@@ -7,10 +7,12 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::browser::Browser;
 use crate::desk::Desk;
 use crate::gallery::{Asked, pages};
 use crate::generated::is_stale;
 use crate::noise::units;
+use crate::report::words::only_on_page;
 
 /// Trials of each point. Any change of a kernel, a lowering or a statistic shows in the first few.
 const TRIALS: u32 = 512;
@@ -117,8 +119,9 @@ fn section(Asked { name, question, shown, .. }: &Asked) -> String {
     format!("\n## {name}\n\n{question}\n\n```text\n{shown}\n```\n")
 }
 
-/// The question of a study with its answer, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`.
-fn digests(study: &Path) -> (Asked, BTreeMap<String, String>) {
+/// The question of a study with its answer, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`. Its page and
+/// its pictures say the same words, where there is a browser.
+fn digests(study: &Path, browser: Option<&Browser>) -> (Asked, BTreeMap<String, String>) {
     let name = study.file_stem().unwrap().to_str().unwrap();
     let desk = Desk::with("");
     let trials = own_trials(study).filter(|own| *own < FEW).unwrap_or(TRIALS);
@@ -128,6 +131,8 @@ fn digests(study: &Path) -> (Asked, BTreeMap<String, String>) {
     let shown = ended.stdout.trim_end();
     let (headline, counts) = measured(name, shown);
     agree(&desk, &words, name, shown);
+    let missing = browser.map(|browser| only_on_page(browser, &desk.path(name))).unwrap_or_default();
+    assert!(missing.is_empty(), "{name}: only the page says\n{}", missing.join("\n"));
     let text = std::fs::read_to_string(study).unwrap();
     let question = text.parse::<toml::Table>().unwrap()["question"].as_str().unwrap().to_owned();
     let asked = Asked { name: name.to_owned(), question, headline, shown: shown.to_owned(), counts };
@@ -188,13 +193,14 @@ fn own_trials(study: &Path) -> Option<u32> {
 /// After an intended change of results: CONTRIBUTING.md says what else it takes, then rename the new file.
 #[test]
 fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
+    let browser = Browser::start();
     let root = Path::new(crate::ROOT);
     let files = std::fs::read_dir(root.join("studies")).unwrap().map(|entry| entry.unwrap().path());
     let mut studies: Vec<PathBuf> =
         files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     studies.sort();
     let (asked, found): (Vec<Asked>, Vec<BTreeMap<String, String>>) =
-        studies.iter().map(|study| digests(study)).unzip();
+        studies.iter().map(|study| digests(study, browser.as_ref())).unzip();
     let answers: Vec<[String; 2]> = asked.iter().map(|asked| [row(asked), section(asked)]).collect();
     let found: BTreeMap<String, String> = found.into_iter().flatten().collect();
     let all = |part: usize| answers.iter().map(|parts| parts[part].as_str()).collect::<String>();
@@ -251,5 +257,5 @@ fn a_record_in_straight_lines_has_a_golden_table_of_its_own() {
     let study = folder.path().join("recorded_profile.toml");
     std::fs::write(&study, lines).unwrap();
     let expected = "acb68a7518d8f9533962f4ad0e2ade155a892833466530c56450cfdfe36ecfe2";
-    assert_eq!(digests(&study).1["recorded_profile/points.csv"], expected);
+    assert_eq!(digests(&study, None).1["recorded_profile/points.csv"], expected);
 }

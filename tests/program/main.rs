@@ -1,22 +1,22 @@
-//! Tests that run the program `sagnac` as a user would. What they share is in `tests/desks`.
+//! Tests that run the program `sagnac` as a user would. What they share is in `tests/common`.
 
-#[path = "../desks/browser.rs"]
+#[path = "../common/browser.rs"]
 mod browser;
-#[path = "../desks/desk.rs"]
+#[path = "../common/desk.rs"]
 mod desk;
-#[path = "../desks/devices.rs"]
+#[path = "../common/devices.rs"]
 mod devices;
-#[path = "../desks/fitted.rs"]
+#[path = "../common/fitted.rs"]
 mod fitted;
-#[path = "../desks/generated.rs"]
+#[path = "../common/generated.rs"]
 mod generated;
-#[path = "../desks/logs.rs"]
+#[path = "../common/logs.rs"]
 mod logs;
-#[path = "../desks/noise.rs"]
+#[path = "../common/noise.rs"]
 mod noise;
-#[path = "../desks/stores.rs"]
+#[path = "../common/stores.rs"]
 mod stores;
-#[path = "../desks/studies.rs"]
+#[path = "../common/studies.rs"]
 mod studies;
 
 mod accelerometers;

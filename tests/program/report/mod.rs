@@ -3,7 +3,7 @@
 mod edges;
 mod fillers;
 mod results;
-mod words;
+pub mod words;
 
 use std::collections::BTreeSet;
 

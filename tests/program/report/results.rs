@@ -35,11 +35,6 @@ impl Results {
         self.folder.path().join("report.html")
     }
 
-    /// Their folder.
-    pub fn folder(&self) -> &Path {
-        self.folder.path()
-    }
-
     /// The values of a column in the rows that have these values in others.
     pub fn column(&self, name: &str, filter: &[(&str, &str)]) -> Vec<&str> {
         let at = |name: &str| {

@@ -210,7 +210,8 @@ impl<'a> Parser<'a> {
                 // As in mdps/rtHz.
                 None => {
                     let under = symbol.strip_prefix("sqrt").or_else(|| symbol.strip_prefix("rt"));
-                    let under = under.and_then(lookup).ok_or_else(|| UnitError::Unknown(symbol.to_owned()))?;
+                    let under =
+                        under.and_then(lookup).ok_or_else(|| UnitError::Unknown(symbol.to_owned()))?;
                     self.root(under)
                 }
             },
