@@ -266,6 +266,10 @@ impl<'a> Panel<'a> {
         // The status is that of the columns before it.
         let limited = 1 + first.len().min(most);
         let shown: Vec<Limited> = first.into_iter().chain(others).take(most).collect();
+        // Of the first coefficient, by which they are ordered.
+        let ends = |subject: &Subject| subject.shown(*shown.first()?).ok()?.reading()?.ends_text();
+        let has_interval =
+            shown.len() < MAX_COLUMNS - 1 && subjects.iter().any(|subject| ends(subject).is_some());
         let row = |subject: &&Subject| {
             let cell = |of: &Limited| subject.shown(*of).map_or_else(|_| "—".into(), Row::cell);
             let own: Vec<Standing> = self
@@ -278,6 +282,8 @@ impl<'a> Panel<'a> {
             cells.extend(shown.iter().map(cell));
             if is_judged {
                 cells.insert(limited, status(&own).text().into());
+            } else if has_interval {
+                cells.insert(2, ends(subject).unwrap_or_default().into());
             }
             cells
         };
@@ -285,6 +291,8 @@ impl<'a> Panel<'a> {
         heads.extend(shown.iter().map(|of| of.told().trim_start_matches("the ")));
         if is_judged {
             heads.insert(limited, "status");
+        } else if has_interval {
+            heads.insert(2, "95 % interval");
         }
         AnswerTable { best: Some(0), ..AnswerTable::new(heads, subjects.iter().map(row)) }
     }
