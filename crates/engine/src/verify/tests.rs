@@ -1,6 +1,7 @@
 //! Every shader of every kernel is valid and has the layout that Rust assumes, tested without an adapter.
 
 use super::*;
+use crate::device::remote::{Dispatch, Remote, Runner};
 use sagnac_kernel::PARTS;
 use sagnac_kernel::shader::Variant;
 
@@ -203,5 +204,44 @@ mod backend {
                 }
             }
         }
+    }
+}
+
+/// Answers every dispatch by its number of words.
+struct Answer(fn(usize) -> Result<Option<Vec<u32>>, String>);
+
+impl Runner for Answer {
+    fn name(&self) -> String {
+        "elsewhere".to_owned()
+    }
+
+    fn run(&mut self, dispatch: Dispatch) -> Result<Option<Vec<u32>>, String> {
+        (self.0)(dispatch.words())
+    }
+}
+
+#[test]
+fn a_device_elsewhere_that_answers_otherwise_than_the_processor_is_not_believed() {
+    let device = |answer| Device::Remote(Remote::new(Box::new(Answer(answer))));
+    for kernel in KERNELS {
+        let name = kernel.name;
+        if let Form::Map(map) = &kernel.form {
+            let items = items(map, 0..8);
+            let ones = device(|words| Ok(Some(vec![1; words]))).map(map, &items).unwrap();
+            assert_ne!(ones, (map.cpu)(Width::PORTABLE, &items), "{name}");
+            assert!(matches!(device(|_| Ok(Some(vec![]))).map(map, &items), Err(GpuError::Refused(_))));
+            continue;
+        }
+        let load = loads(kernel).into_iter().next().unwrap();
+        let answered = |answer| on_device(&mut device(answer), &load.work, 2);
+        assert!(answered(|_| Ok(None)).is_ok(), "{name}: not known yet");
+        let wrong = [answered(|words| Ok(Some(vec![0; words]))), answered(|words| Ok(Some(vec![1; words])))];
+        assert!(wrong.iter().all(|found| matches!(found, Err(GpuError::WrongBits))), "{name}: {wrong:?}");
+        let refused =
+            [answered(|words| Ok(Some(vec![0; words + 1]))), answered(|_| Err("it is lost".to_owned()))];
+        assert!(
+            refused.iter().all(|found| matches!(found, Err(GpuError::Refused(_)))),
+            "{name}: {refused:?}"
+        );
     }
 }
