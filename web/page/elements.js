@@ -77,8 +77,10 @@ export async function copy(text, from) {
 
 /** A line of progress with a button that stops the work. Its room stays, so that nothing jumps when work is short. */
 export class Progress {
-  constructor(host) {
+  /** `stopped` is called when the reader stops the work. */
+  constructor(host, stopped = () => {}) {
     this.host = host;
+    this.stopped = stopped;
     this.bar = element("progress", { max: "1", "aria-label": "Progress" });
     this.label = element("span", {});
     this.stop = button("Stop", "Stop this computation", () => this.#stop());
@@ -96,6 +98,7 @@ export class Progress {
     this.#state("stopped");
     this.label.textContent = "Stopped.";
     announce("Stopped");
+    this.stopped();
   }
 
   /** Begins work that the button, or later work, stops by the signal returned. */

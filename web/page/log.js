@@ -25,6 +25,10 @@ export class LogView {
     this.openStudy = openStudy;
     this.file = null;
     this.other = null;
+    /** The log that was read before this one, with its options, if any. */
+    this.before = null;
+    /** Names of the columns that were read. */
+    this.columns = [];
     /** Number of records that are simulated for the intervals; 0 where that takes too long. */
     this.records = 0;
     this.isComparing = false;
@@ -60,6 +64,7 @@ export class LogView {
   open(file, options = {}) {
     if (file.size > MOST_BYTES) return this.#refuse(file);
     if (this.isComparing) return this.#compare(file);
+    if (this.columns.length > 0) this.before = { file: this.file, options: this.#options() };
     this.file = file;
     this.other = null;
     this.form.reset();
@@ -97,6 +102,7 @@ export class LogView {
     byId("log-notes").replaceChildren();
     byId("log-ran").textContent = "";
     byId("log-files").replaceChildren();
+    byId("log-choice").replaceChildren();
     this.report.clear();
     showError(byId("log-error"), null);
   }
@@ -115,17 +121,20 @@ export class LogView {
     const { file } = this;
     this.#clear();
     this.#comparing(false);
+    this.columns = [];
     byId("log-actions").hidden = true;
     const signal = this.progress.begin(`Reading ${file.name}`);
     try {
       const { reply } = await engine.ask({ call: "read", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.#facts(reply);
       this.records = reply.records;
+      this.columns = reply.columns.map(({ name }) => name);
       byId("log-options").open = false;
       byId("log-actions").hidden = false;
     } catch (error) {
       this.#failed(error);
       if (error.kind === "record" || error.kind === "usage") this.#askForOptions(error);
+      this.#offerBefore();
       return;
     } finally {
       this.progress.end(signal);
@@ -137,11 +146,20 @@ export class LogView {
     if (!isStopped(error)) showError(byId("log-error"), error);
   }
 
+  /** A file that was no log does not cost the analysis of the one before. */
+  #offerBefore() {
+    const { before } = this;
+    if (!before) return;
+    byId("log-choice").replaceChildren(button(`Back to ${before.file.name}`, "Analyze the log before again, with its options", () => this.open(before.file, before.options)));
+  }
+
   /** Opens the form at the option that the message asks for first. */
   #askForOptions({ message }) {
     byId("log-options").open = true;
     const named = /no column is called|choose|columns/.test(message.split("\n")[0]) ? "column" : /\b(unit|rate|data|column|temperature|time_unit|time|binary): /.exec(message)?.[1] ?? "unit";
-    this.form.elements[named.replace("_", "-")].focus();
+    const field = this.form.elements[named.replace("_", "-")];
+    field.focus();
+    field.select?.();
   }
 
   #facts({ samples, step_s: step, rate, data, columns, notes }) {
@@ -157,7 +175,7 @@ export class LogView {
     byId("log-actions").replaceChildren(
       ...ANALYSES.map((analysis) => button(analysis.label, `sagnac ${analysis.command}`, () => this.#analyze(analysis), { "aria-pressed": "false", "data-analysis": analysis.id })),
       button("Compare with another log", "Choose or drop a second log", () => this.#startComparison(), { "aria-pressed": "false", "data-analysis": "compare" }),
-      button("Simulate this gyro", "Open a study with the noise of this log", () => this.#study()),
+      button("Simulate this gyro", "Open a study with the noise of this log", () => this.#chooseColumn()),
       button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => this.#copyCommand(currentTarget)));
   }
 
@@ -183,7 +201,8 @@ export class LogView {
     this.#pressed(id);
     const { file } = this;
     const request = { call: id, name: file.name, simulated: 0 };
-    let isShown = await this.#show(`${doing} ${file.name}`, request, [file], "");
+    const first = id === "allan" && this.records > 0 ? "First estimates, with intervals in closed form. " : "";
+    let isShown = await this.#show(`${doing} ${file.name}`, request, [file], first);
     if (id !== "allan") return;
     const parts = [];
     for (const [from, to] of [[0, FIRST_RECORDS], [FIRST_RECORDS, this.records]]) {
@@ -191,7 +210,7 @@ export class LogView {
       const made = await this.#simulate(file, from, to);
       if (!made) return;
       parts.push(...made);
-      isShown = await this.#show("Fitting simulated records", { ...request, simulated: to, parts: parts.length }, [file], "Intervals from simulated records. ", parts.flat());
+      isShown = await this.#show("Fitting simulated records", { ...request, simulated: to, parts: parts.length }, [file], `Intervals from ${grouped(to)} simulated records. `, parts.flat());
     }
   }
 
@@ -261,11 +280,20 @@ export class LogView {
     await this.#show(`Comparing ${this.file.name} with ${file.name}`, { call: "compare", names: [this.file.name, file.name] }, [this.file, file], "");
   }
 
-  async #study() {
+  /** A study simulates one gyro: of several columns, the reader chooses one. */
+  #chooseColumn() {
+    if (this.columns.length === 1) return this.#study(this.columns[0]);
+    const choices = this.columns.map((name) => button(name, `Open a study with the noise of ${name}`, () => this.#study(name)));
+    byId("log-choice").replaceChildren("Simulate:", ...choices);
+    choices[0].focus();
+  }
+
+  async #study(column) {
     const { file } = this;
+    byId("log-choice").replaceChildren();
     const signal = this.progress.begin("Writing a study with this noise");
     try {
-      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
+      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: { ...this.#options(), column } }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.openStudy(reply.text, file.name.replace(/\.\w+$/, ""));
     } catch (error) {
       this.#failed(error);

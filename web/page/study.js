@@ -29,7 +29,7 @@ export class StudyView {
     this.sliders = new Sliders(byId("sliders"), (span, value) => this.#slide(span, value));
     this.sweeps = new Sweeps(byId("sweeps"), (span, text) => this.#sweep(span, text));
     this.report = new Report(byId("study-report"));
-    this.progress = new Progress(byId("study-progress"));
+    this.progress = new Progress(byId("study-progress"), () => this.#stopped());
     this.text.addEventListener("input", () => {
       this.sliders.disable();
       this.sweeps.disable();
@@ -86,12 +86,24 @@ export class StudyView {
     return text.length;
   }
 
+  /** Nothing runs from now on until the text changes or the reader asks for it; an answer to another text is marked. */
+  #stopped() {
+    this.isStopped = true;
+    this.isWaiting = false;
+    clearTimeout(this.timer);
+    clearTimeout(this.resting);
+    this.again.hidden = false;
+    byId("study-report").classList.toggle("stale", this.ran?.text !== this.text.value);
+  }
+
   #edited(delay) {
     this.isEdited = true;
     this.#changed(delay);
   }
 
   #changed(delay) {
+    this.isStopped = false;
+    this.again.hidden = true;
     clearTimeout(this.timer);
     clearTimeout(this.resting);
     // A live run ends soon by itself, and shows something while a slider moves; a longer one would keep the workers from this change.
@@ -112,7 +124,7 @@ export class StudyView {
       isDone = await this.#once();
     } while (this.isWaiting);
     this.isLive = false;
-    if (!isDone) return;
+    if (!isDone || this.isStopped) return;
     clearTimeout(this.resting);
     this.resting = setTimeout(() => this.#rested(), REST);
   }
@@ -123,7 +135,7 @@ export class StudyView {
     const isHere = () => !byId("view-study").hidden && this.study === study && study !== null;
     if (!isHere()) return;
     const link = await this.link();
-    if (!isHere()) return;
+    if (!isHere() || this.isStopped) return;
     if (this.isEdited) history.replaceState(null, "", link);
     await this.#refine(Math.min(study.trials, RESTED_TRIALS));
   }
@@ -182,7 +194,7 @@ export class StudyView {
   async #refine(trials) {
     const isDone = this.ran?.text === this.text.value && this.ran.trials === trials;
     if (!isDone && !(await this.#run(trials))) return;
-    if (this.ran.text === this.text.value && !this.ran.isComplete) await this.#complete(this.ran);
+    if (!this.isStopped && this.ran.text === this.text.value && !this.ran.isComplete) await this.#complete(this.ran);
   }
 
   /** Whether the trials were run, and neither failed nor were stopped. */
@@ -226,6 +238,7 @@ export class StudyView {
 
   async #show({ reply, blobs }, { text, name, trials, by, took }) {
     await this.report.show(blobs[0], this.study?.title ?? this.name);
+    byId("study-report").classList.remove("stale");
     const tables = reply.files.map((name, at) => ({ name, bytes: blobs[at + 1] }));
     showFiles(byId("study-files"), [{ name, bytes: text }, { name: "report.html", bytes: blobs[0] }, ...tables]);
     byId("study-ran").replaceChildren(`${this.study?.is_sampled === false ? "closed forms" : `${by} · ${grouped(trials)} trials per point`} · ${seconds(took)} · points.csv `,
@@ -236,10 +249,14 @@ export class StudyView {
   #buttons() {
     this.all = button("Run all trials", "Run as many trials as the study says", () => {
       clearTimeout(this.resting);
+      this.isStopped = false;
+      this.again.hidden = true;
       if (this.study) this.#refine(this.study.trials);
     }, { hidden: true });
+    this.again = button("Run again", "Run this study again, which was stopped", () => this.#changed(0), { hidden: true });
     byId("study-actions").append(
       this.all,
+      this.again,
       button("Copy link", "Copy a link that holds the whole study", async ({ currentTarget }) => copy(await this.link(), currentTarget)),
       button("Copy command", "Copy the command that repeats this in a terminal", ({ currentTarget }) => copy(this.#command(), currentTarget)));
   }

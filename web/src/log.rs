@@ -90,7 +90,7 @@ impl Options {
         let data = kind.unwrap_or(Data::Rate);
         let unit = |text: &str| {
             let unit = Unit::of_header(text.trim(), data);
-            unit.map_err(|wrong| Refusal::usage(&format!("{}\n{}", wrong.message, wrong.help)))
+            unit.map_err(|wrong| Refusal::usage(&format!("unit: {}\n{}", wrong.message, wrong.help)))
         };
         let units = parts(&self.unit).map(unit).collect::<Result<Vec<_>, _>>()?;
         let step_s = Some(self.rate.trim()).filter(|rate| !rate.is_empty()).map(step).transpose()?;
@@ -224,11 +224,7 @@ impl OneLog {
         let log = self.options.read(&self.name, files.first())?;
         let names: Vec<&str> = log.channels.iter().map(|channel| channel.name.as_str()).collect();
         let [column] = names[..] else {
-            let message = format!(
-                "a study simulates one gyro, and the log has several columns\ngive one of {}",
-                names.join(", ")
-            );
-            return Err(Refusal::usage(&message));
+            return Err(Refusal::usage("a study simulates one gyro, and the log has several columns"));
         };
         let outcome = self.analyzed(files, None, None, progress)?;
         let is_noise = |(name, _): &&(String, Vec<u8>)| name.starts_with("noise") && name.ends_with(".toml");
@@ -242,7 +238,7 @@ impl OneLog {
         let [step, length] = [log.step_s, log.step_s * log.samples() as f64]
             .map(|seconds| format!("{} s", significant(seconds, 9)));
         let text = format!(
-            "title = \"{title}\"\nquestion = \"How well does such a record show the coefficients?\"\nkind = \"allan\"\ntrials = 200\n\n\
+            "title = \"{title}\"\nquestion = \"What Allan deviation do such records have?\"\nkind = \"allan\"\ntrials = 200\n\n\
              [record]\nsample = \"{step}\"\nlength = \"{length}\"\n\n[allan]\nfit = \"auto\"\n\n[noise]{noise}"
         );
         Ok(Reply::new(json!({ "text": text })))

@@ -146,6 +146,7 @@ const tests = {
     await page.until(`!document.querySelector("#study-actions button").hidden`, "the button that runs all trials");
     await page.until(isIdle("study"), "the end of the live run");
     await stopped(page, "study", `document.querySelector("#study-actions button").click()`);
+    check(await page.evaluate(`!document.querySelector("#study-actions button:nth-of-type(2)").hidden`), "what was stopped cannot be run again");
     const digest = `document.querySelector("#study-ran code")?.textContent`;
     const before = await page.evaluate(digest);
     await page.evaluate(`Object.assign(document.querySelector("#sliders input"), { value: 100 }).dispatchEvent(new Event("input"))`);
@@ -159,6 +160,23 @@ const tests = {
     });
     await page.evaluate(`document.getElementById("example").click()`);
     await page.until(hasReport("log"), "the report of the example after the stop");
+  },
+
+  async one_of_several_columns_is_simulated_and_a_picture_costs_no_analysis(page) {
+    const rows = Array.from({ length: 4000 }, (_, at) => `${at * 10},${[1, 2, 3].map((seed) => Math.sin(at * at * seed)).join(",")},${24 + at / 4000}`);
+    const log = { name: "imu.csv", bytes: Buffer.from(["t_ms,gyro_x,gyro_y,gyro_z,temp", ...rows].join("\n")) };
+    await page.drop([log]);
+    await page.until(`document.activeElement === document.getElementById("log-form").elements.unit`, "the unit to be asked for");
+    await page.evaluate(`document.activeElement.value = "deg/s"; document.getElementById("log-form").requestSubmit()`);
+    await page.until(hasReport("log"), "the report of three columns");
+    await page.until(isIdle("log"), "the end of the simulation");
+    await page.drop([{ name: "photo.png", bytes: Buffer.from("\x89PNG\r\n\x1a\n", "latin1") }]);
+    await page.until(`document.getElementById("log-error").textContent.includes("a picture (PNG)")`, "a picture to be called so");
+    await page.evaluate(`document.querySelector("#log-choice button").click()`);
+    await page.until(`${hasReport("log")} && document.querySelector("#log-facts").textContent.includes("gyro_z")`, "the log before");
+    await page.evaluate(`[...document.querySelectorAll("#log-actions button")].find((each) => each.textContent === "Simulate this gyro").click()`);
+    await page.evaluate(`document.querySelectorAll("#log-choice button")[1].click()`);
+    await page.until(`document.getElementById("study-text").value.includes("Records like gyro_y of imu.csv")`, "the study of the second column");
   },
 
   async mistakes_are_shown_while_typing(page) {

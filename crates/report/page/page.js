@@ -124,9 +124,11 @@ function answer() {
     ...texts(card, ".facts dt").map((name, at) => `${name}\t${texts(card, ".facts dd")[at]}`)].join("\n") + "\n";
   [...card.querySelectorAll("details.more")].at(-1).append(button("Copy answer", "Copy the answer with its table as text", (event) => copy(text, event.currentTarget)));
   card.querySelectorAll(".options :is(th, td)").forEach((each) => each.replaceChildren(element("div", {}, whole(each.textContent))));
-  // On phones the first chart comes before what else is worth knowing.
-  if (!matchMedia("(max-width: 700px)").matches) return;
-  card.querySelectorAll("details.more").forEach((each) => each.removeAttribute("open"));
+  // On phones the first chart comes before what else is worth knowing. A frame may get its width later.
+  const narrow = matchMedia("(max-width: 700px)");
+  const fold = () => card.querySelectorAll("details.more").forEach((each) => { each.open = !narrow.matches; });
+  narrow.addEventListener("change", () => Plot.onPaper || fold());
+  fold();
 }
 
 document.querySelectorAll("#closed-forms td:last-child").forEach((each) => {
