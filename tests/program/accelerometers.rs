@@ -150,7 +150,7 @@ fn units_are_one_for_all_columns_or_one_for_each() {
         same(&curve, point);
     }
     desk.fails(&format!("{words},ay --unit deg/s,m/s^2"), 3, &["2 units for 3 columns", "one for each"]);
-    desk.fails("allan imu.csv --data rate", 3, &["select some of them", "2 gx"]);
+    desk.fails("allan imu.csv --data rate", 3, &["the unit of `gx` is missing"]);
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub(crate) fn is_temperature(name: &Name) -> bool {
 }
 
 /// The columns of samples that are requested, or those `named` by a layout, or the only one besides those `taken` for time and
-/// temperature, or those whose units are those of such data.
+/// temperature, or those whose units are those of such data, or else those with names of gyros.
 pub(crate) fn wanted(
     file: &ColumnFile,
     request: &Request,
@@ -62,6 +62,8 @@ pub(crate) fn wanted(
         !taken.contains(&Some(*column)) && file.calendar(*column).is_none() && !parts.contains(column)
     };
     let others: Vec<usize> = (0..file.columns()).filter(is_other).collect();
+    let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
+    let gyros: Vec<usize> = proposed(file, request.data(), taken).into_iter().filter(is_gyro).collect();
     let [measuring, norms] =
         if request.units.is_empty() { measuring(file, request.data()) } else { [vec![], vec![]] };
     match others[..] {
@@ -79,6 +81,10 @@ pub(crate) fn wanted(
             }
             Ok(measuring)
         }
+        _ if request.units.len() <= 1 && request.data() == Data::Rate && !gyros.is_empty() => {
+            notes.push(format!("all columns with names of gyros are read: {}", names_of(file, &gyros)));
+            Ok(gyros)
+        }
         _ => {
             let message = format!("the file has {} columns: select some of them", file.columns());
             let name = |&column: &usize| {
@@ -87,7 +93,6 @@ pub(crate) fn wanted(
             };
             let proposed = proposed(file, request.data(), taken);
             let names: Vec<String> = proposed.iter().take(MAX_LISTED).map(name).collect();
-            let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
             let may_differ = proposed.len() > 1 && request.units.is_empty() && !proposed.iter().all(is_gyro);
             let units = if may_differ {
                 "; where they measure different things, give one unit for each, as in `unit = rad/s,m/s^2`"

@@ -204,10 +204,15 @@ impl Log {
             let examined = columns.iter().copied().find(is_refused).or(columns.first().copied());
             (vec![], examined.into_iter().collect())
         });
-        let channels = columns
-            .iter()
-            .enumerate()
-            .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data()));
+        let given = |at: usize| units.get(at).copied().flatten();
+        let is_open = |&at: &usize| {
+            let stated = file.names().get(columns[at]).and_then(|name| name.unit_of(request.data()));
+            given(at).is_none() && stated.is_none()
+        };
+        // One unit settles all columns without: the first of them asks for it.
+        let first_open = (0..columns.len()).find(is_open);
+        let read = (0..columns.len()).filter(|at| Some(*at) == first_open || !is_open(at));
+        let channels = read.map(|at| channel(&file, columns[at], given(at), request.data()));
         let channels: Vec<Channel> = channels.filter_map(|channel| faults.take(channel)).collect();
         let all = time.iter().map(|time| time.column).chain(columns.iter().copied()).chain(taken);
         let all: Vec<usize> = all.collect();
