@@ -194,7 +194,12 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         ))
     });
     let widened = analysis.columns.iter().filter_map(|column| widened(column, analysis));
-    analysis.source.notes.iter().cloned().chain(widened).chain(quantized).collect()
+    let is_bound =
+        analysis.request.aim != Aim::Describe && analysis.columns.iter().any(|column| column.target.has_band);
+    let bound = is_bound.then(|| {
+        "the model bounds the noise of further records: its values are larger than the estimates".to_owned()
+    });
+    bound.into_iter().chain(analysis.source.notes.iter().cloned()).chain(widened).chain(quantized).collect()
 }
 
 /// That a model covers longer averaging times than were asked for, because the curve has none there.

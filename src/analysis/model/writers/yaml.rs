@@ -2,6 +2,7 @@
 
 use crate::analysis::model::state_space::si;
 use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, largest, number, plain_number};
+use sagnac_base::diagnostics::listed;
 use sagnac_records::allan::Unit;
 
 const CONVENTION: &str = "square roots of two-sided densities per Hz, which are N in rad/s/sqrt(Hz) = rad/sqrt(s) and K in rad/s^2/sqrt(Hz); of \
@@ -67,7 +68,17 @@ fn keys(sheet: &Sheet, indent: &str, topic: &str) -> String {
             _ => format!("{indent}{name}_{key}: {}  # {unit}\n", number(size * value)),
         };
         let without = format!("# Nothing is known of {name}s; the tool needs their keys too.\n");
-        let start = if axes.is_empty() { without } else { String::new() };
+        let start = match axes {
+            [] => without,
+            [_] => String::new(),
+            axes => {
+                let names: Vec<&str> = axes.iter().map(|axis| axis.column.target.name.as_str()).collect();
+                format!(
+                    "{indent}# The largest values of {}, which the tool takes for all axes.\n",
+                    listed(&names)
+                )
+            }
+        };
         start + &keys.map(line).collect::<String>()
     };
     let units = ["m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)"];
