@@ -40,6 +40,7 @@ mod report;
 mod results;
 mod run;
 mod sensitivity;
+mod simulate;
 
 use std::path::Path;
 

@@ -77,6 +77,8 @@ commands! {
     Compare(crate::compare::Options) = crate::compare::compare;
     /// Find the noise model of a log for a navigation filter
     Model(crate::model::Options) = crate::model::model;
+    /// Write simulated records of a gyro at rest
+    Simulate(crate::simulate::Options) = crate::simulate::simulate;
     /// Convert a noise coefficient between units and conventions
     Convert(crate::convert::Options) = crate::convert::convert;
     /// Rebuild the page of results, redraw a chart, or make a gallery
@@ -136,10 +138,10 @@ fn is_quiet() -> bool {
 
 /// The commands as help lists them.
 const GROUPS: [(&str, &[&str]); 5] = [
-    ("Simulate", &["run", "design", "sensitivity", "filler"]),
+    ("Simulate", &["run", "design", "sensitivity", "filler", "simulate"]),
     ("Analyze logs", &["allan", "compare", "model"]),
     ("Results", &["report", "merge", "check"]),
-    ("Learn", &["new", "explain", "schema"]),
+    ("Learn", &["new", "convert", "explain", "schema"]),
     ("Machine", &["device"]),
 ];
 

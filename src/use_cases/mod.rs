@@ -2,6 +2,7 @@
 
 mod convert;
 mod logs;
+mod simulate;
 mod studies;
 
 use std::collections::BTreeMap;
@@ -16,6 +17,7 @@ pub use logs::{
     AllanRequest, BatchRequest, CompareRequest, LogError, ModelSource, Segments, allan, compare_logs,
     compare_units, model_noise,
 };
+pub use simulate::{Form, Numbers, SimulateError, Simulation};
 pub use studies::{Sampled, StudyOutcome, study_outcome};
 
 /// The result of a use case, with the contents of its files by their names.

@@ -46,6 +46,7 @@ mod record_switching;
 mod record_theories;
 mod records;
 mod relock;
+mod simulated_records;
 mod spectrum;
 mod steps;
 mod switched_run;

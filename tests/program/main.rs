@@ -72,6 +72,7 @@ mod resumed;
 mod sensitivity;
 mod shaders;
 mod shards;
+mod simulate;
 mod soak;
 mod stops;
 #[cfg(unix)]

@@ -226,8 +226,11 @@ pub fn complete(study: &Study, folder: &Folder) -> Result<(), FolderError> {
 }
 
 /// Writes the files that a study names, and returns the names of those that were different.
+///
+/// # Errors
+/// A file cannot be written.
 #[cfg(feature = "store")]
-fn write_inputs(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> {
+pub fn write_inputs(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> {
     let mut replaced = Vec::new();
     for input in study.inputs() {
         if folder.write(&input.name, input.text.as_bytes())? == Written::Replaced {

@@ -100,6 +100,13 @@ impl Recorded for Recipe {
 }
 
 impl Recipe {
+    /// Hands out the angles of the record `number` at its N + 1 samples, LSB modulo 2^32, chunk by chunk in their order: those whose
+    /// differences [`sums`](Recorded::sums) adds up.
+    pub fn angles(&self, number: u64, mut each: impl FnMut(&[u32])) {
+        self.assert_fits();
+        self.angles_of(number, &mut each);
+    }
+
     /// Adds the noise to a shader: its files, sizes and options, and its parameters, which `fields` follow.
     pub(crate) fn include(&self, shader: &mut Shader, fields: &str) {
         let octaves = self.octaves();

@@ -50,6 +50,7 @@ pub fn choose_point<'s>(
     for asked in at {
         let refused = |message: String| ChoiceError::Asked(format!("`at = {asked}`: {message}"));
         let (place, value) = find(study, asked).map_err(refused)?;
+        let value = value_of(&study.sweeps[place], value).map_err(refused)?;
         match swept(&study.sweeps[place], value) {
             Ok(value) => chosen[place] = Some(value),
             Err(message) => {
@@ -141,7 +142,7 @@ pub(crate) fn shown(value: &Quantity) -> String {
 }
 
 /// The sweep and the value, in the unit of tables, to which `key=value` refers.
-fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
+pub(crate) fn find<'a>(study: &Study, asked: &'a str) -> Result<(usize, &'a str), String> {
     let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     if names.is_empty() {
         return Err("the study has only one point\nleave `at` out".to_owned());
@@ -153,14 +154,14 @@ fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
     let named = |name: &str| name == key || name.strip_suffix(key).is_some_and(|rest| rest.ends_with('.'));
     let places: Vec<usize> = (0..names.len()).filter(|&place| named(names[place])).collect();
     match places[..] {
-        [place] => Ok((place, value_of(&study.sweeps[place], value.trim())?)),
+        [place] => Ok((place, value.trim())),
         [] => Err(format!("the study does not sweep `{key}`; it sweeps {}", names.join(", "))),
         _ => Err(format!("`{key}` may be one of {}; write the whole key", names.join(", "))),
     }
 }
 
 /// The value for a sweep that a text gives, in the unit of tables.
-fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
+pub(crate) fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
     let Some(dimension) = quantities(sweep).first().map(|value| value.dimension) else {
         return Err("its values are not quantities".to_owned());
     };
@@ -172,7 +173,7 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
 }
 
 /// The value of a sweep that equals the requested one.
-fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
+pub(crate) fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
     let known = quantities(sweep);
     let far = |value: &&Quantity| (value.shown() - asked).abs();
     let nearest = known.iter().min_by(|a, b| far(a).total_cmp(&far(b)));

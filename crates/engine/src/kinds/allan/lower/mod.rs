@@ -86,6 +86,8 @@ pub struct Records {
     curved: bool,
     /// Rate that the angles common to all records lack: that of warm-ups longer than the record, LSB per sample.
     lacking_rate: f64,
+    /// Constant rate of the gyro with that of warm-ups longer than the record, ″ per sample.
+    constant_rate: f64,
     ms: Vec<u64>,
     terms: Vec<u64>,
     /// Place of each averaging factor in the sums of the kernel.
@@ -137,9 +139,10 @@ impl Records {
             },
             levels,
         };
+        let unfinished: f64 = model.unfinished().map(WarmUp::rate).sum();
         let lacking_rate = match fixed.pulse {
             Some(_) => 0.0,
-            None => model.unfinished().map(WarmUp::rate).sum::<f64>() / fixed.lsb_arcsec,
+            None => unfinished / fixed.lsb_arcsec,
         };
         Ok(Records {
             recipe,
@@ -148,6 +151,7 @@ impl Records {
             fixed,
             curved: model.is_curved(),
             lacking_rate,
+            constant_rate: asked.mean_rate * asked.process.sample_s + unfinished,
             ms: ms.to_vec(),
             terms,
             places,
@@ -182,6 +186,26 @@ impl Records {
     /// The unit of angle, ″.
     pub fn lsb_arcsec(&self) -> f64 {
         self.fixed.lsb_arcsec
+    }
+
+    /// Hands out the angles between the samples of the record `number`, ″, in their order. They contain the constant rate, and their
+    /// variances are those of the record's [sums](Recorded::sums).
+    pub fn increments(&self, number: u64, mut each: impl FnMut(f64)) {
+        // Angles wrap: beside the whole LSB of the rate of a readout, their differences are small.
+        let (whole, omitted) = match self.fixed.pulse {
+            Some(_) => (libm::round(self.constant_rate / self.fixed.lsb_arcsec), 0.0),
+            None => (0.0, self.constant_rate),
+        };
+        let wrapped = whole as i128 as u32;
+        let mut before = None;
+        self.recipe.angles(number, |angles| {
+            for &angle in angles {
+                if let Some(before) = before.replace(angle) {
+                    let beside = angle.wrapping_sub(before).wrapping_sub(wrapped) as i32;
+                    each((whole + f64::from(beside)) * self.fixed.lsb_arcsec + omitted);
+                }
+            }
+        });
     }
 
     /// The estimates of one record, (″/s)², for each averaging factor, from its sums as the kernel returns them.

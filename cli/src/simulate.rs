@@ -1,0 +1,168 @@
+//! `sagnac simulate`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::TypedValueParser;
+use sagnac::run::write_inputs;
+use sagnac::store::folder::Folder;
+use sagnac::study::Study;
+use sagnac::use_cases::{Form, Numbers, SimulateError, Simulation};
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::number::short;
+use sagnac_base::quantity::{Dimension, parse};
+use sagnac_base::text_file::{MAX_TOML, read_text};
+
+use crate::arg_parsers::{one_of, whole};
+use crate::failure::{Failure, in_options};
+use crate::output::print;
+use crate::progress::{How, Shown};
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac simulate noise.toml --rate 100Hz --length 1h
+  sagnac simulate noise.toml --rate 1Hz --length 9h --records 20 --seed 3 --form npy
+  sagnac simulate studies/lgk400_vs_lgv1.toml --at file=lgk400 --data increment";
+
+/// The study whose trials the records are.
+const STUDY: &str = "simulated.toml";
+
+/// Most records of a command, each a file.
+const MAX_RECORDS: u64 = 100_000;
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// A noise file, such as noise.toml of `sagnac allan`, or a study of kind "allan"
+    #[arg(value_name = "NOISE|STUDY")]
+    input: PathBuf,
+    /// Sampling rate or step of records of a noise file, as in 100Hz or "10 ms"
+    #[arg(long, value_name = "RATE", value_parser = step)]
+    rate: Option<f64>,
+    /// Length of records of a noise file, as in 1h
+    #[arg(long, value_name = "TIME", value_parser = length)]
+    length: Option<f64>,
+    /// Point of a study with sweeps: a value for each swept key
+    #[arg(long, value_name = "KEY=VALUE")]
+    at: Vec<String>,
+    /// Number of records
+    #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| whole(text, 1..=MAX_RECORDS))]
+    records: u64,
+    /// Number of the first record: the same record of a seed has the same numbers wherever it is made
+    #[arg(long, value_name = "K", default_value = "0", value_parser = |text: &str| whole(text, 0..=u64::MAX >> 1))]
+    first: u64,
+    /// Seed of the random numbers [default: that of the study, or 1]
+    #[arg(long, value_name = "S", value_parser = |text: &str| whole(text, 0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Meaning of the numbers: rate in °/h, angle of each sample (increment) or from the start (angle) in ″
+    #[arg(long, value_name = "KIND", default_value = "rate", value_parser = numbers())]
+    data: Numbers,
+    /// Form of the files: csv, npy (NumPy), or raw (8 bytes a number, little-endian)
+    #[arg(help_heading = "Output", long, value_name = "FORM", default_value = "csv", value_parser = form())]
+    form: Form,
+    /// Folder of the records [default: results/<name of the file>_records]
+    #[arg(help_heading = "Output", long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+fn numbers() -> impl TypedValueParser<Value = Numbers> {
+    one_of([("rate", Numbers::Rate), ("increment", Numbers::Increment), ("angle", Numbers::Angle)])
+}
+
+fn form() -> impl TypedValueParser<Value = Form> {
+    one_of([("csv", Form::Csv), ("npy", Form::Npy), ("raw", Form::Raw)])
+}
+
+/// A positive time, s.
+fn length(text: &str) -> Result<f64, String> {
+    let time = parse(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
+    if time.value > 0.0 { Ok(time.value) } else { Err("it is not positive".to_owned()) }
+}
+
+/// The time between samples, s, of a rate or a step.
+fn step(text: &str) -> Result<f64, String> {
+    let found = parse(text, &[Dimension::Frequency, Dimension::Time]).map_err(|error| error.to_string())?;
+    match found.dimension {
+        _ if found.value <= 0.0 => Err("it is not positive".to_owned()),
+        Dimension::Time => Ok(found.value),
+        _ => Ok(1.0 / found.value),
+    }
+}
+
+/// Writes records of noise, one file each, with the study that has the same ones as its trials.
+pub fn simulate(options: &Options) -> Result<(), Failure> {
+    let simulation = options.simulation()?;
+    let stem = options.input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let default = || Path::new("results").join(format!("{stem}_records"));
+    let path = options.out.clone().unwrap_or_else(default);
+    let folder = Folder::open(&path)?.reading([&*options.input]);
+    let study = simulation.study();
+    write_inputs(study, &folder)?;
+    folder.write(STUDY, study.resolved(options.first + options.records).as_bytes())?;
+    let progress = Shown::new(if options.quiet { How::None } else { How::Plain });
+    progress.start("records", 0, options.records);
+    let mut written = vec![];
+    for number in options.first..options.first + options.records {
+        let name = format!("record_{number:05}.{}", options.form.ending());
+        folder.write_by(&name, |to| simulation.write(number, options.data, options.form, to))?;
+        written.push(name);
+        progress.advance(1);
+    }
+    for name in folder.listed() {
+        if name.starts_with("record_") && !written.contains(&name) {
+            folder.remove(&name)?;
+        }
+    }
+    folder.commit()?;
+    match options.quiet {
+        true => Ok(()),
+        false => print(&format!(
+            "{} of {} samples at {} Hz\n{}",
+            match options.records {
+                1 => "1 record".to_owned(),
+                records => format!("{records} records"),
+            },
+            simulation.samples(),
+            short(1.0 / simulation.sample_s()),
+            match &written[..] {
+                [only] => format!("record {}", path.join(only).display()),
+                _ => format!("records {}", path.display()),
+            }
+        )),
+    }
+}
+
+impl Options {
+    fn simulation(&self) -> Result<Simulation, Failure> {
+        let refused = |error: SimulateError| match error {
+            SimulateError::Study(error) => Failure::Study(error),
+            SimulateError::Point(message) => Failure::Usage(in_options(&message)),
+        };
+        let text = read_text(&self.input, MAX_TOML)
+            .map_err(|error| Failure::Usage(format!("cannot read {}: {error}", self.input.display())))?;
+        let is_study = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("kind"));
+        if is_study {
+            if self.rate.or(self.length).is_some() {
+                let message = "--rate and --length are for noise files; a study has `record.sample` and `record.length`";
+                return Err(Failure::Usage(format!("{message}\nleave them out")));
+            }
+            let mut study = Study::read(&self.input)?;
+            study.seed = self.seed.unwrap_or(study.seed);
+            return Simulation::of_study(&study, &self.at).map_err(refused);
+        }
+        let (Some(sample_s), Some(length_s)) = (self.rate, self.length) else {
+            let message = "a noise file does not say how long its records are\ngive --rate and --length, as in --rate 100Hz --length 1h";
+            return Err(Failure::Usage(message.to_owned()));
+        };
+        if !self.at.is_empty() {
+            return Err(Failure::Usage(
+                "--at selects from a study, but none is given\nleave it out".to_owned(),
+            ));
+        }
+        let name = self.input.file_name().unwrap_or_default().to_string_lossy();
+        Simulation::of_noise(&name, &text, sample_s, length_s, self.seed.unwrap_or(1)).map_err(refused)
+    }
+}

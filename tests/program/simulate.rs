@@ -1,0 +1,99 @@
+//! `sagnac simulate`: records of noise files and studies.
+
+use crate::desk::Desk;
+
+const NOISE: &str = "angle_random_walk = \"0.01 deg/sqrt(h)\"\nrate_random_walk = \"0.5 deg/h/sqrt(h)\"\n";
+const RECORD: &str = "simulate noise.toml --rate 1Hz --length 4h";
+
+fn desk() -> Desk {
+    let desk = Desk::with("");
+    desk.write("noise.toml", NOISE);
+    desk
+}
+
+/// The numbers of a record as text.
+fn numbers(csv: &str) -> Vec<f64> {
+    csv.lines().skip(1).map(|line| line.split_once(',').unwrap().1.parse().unwrap()).collect()
+}
+
+fn doubles(bytes: &[u8]) -> Vec<f64> {
+    bytes.chunks_exact(8).map(|number| f64::from_le_bytes(number.try_into().unwrap())).collect()
+}
+
+#[test]
+fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
+    let desk = desk();
+    desk.done(&format!("{RECORD} --seed 3 --records 8 --out all"));
+    desk.done(&format!("{RECORD} --seed 3 --first 7 --out one"));
+    let record = desk.read("all/record_00007.csv");
+    assert_eq!(desk.read("one/record_00007.csv"), record);
+    assert_ne!(desk.read("all/record_00006.csv"), record);
+    let rates = numbers(&record);
+    assert_eq!(rates.len(), 14400);
+    for form in ["npy", "raw"] {
+        desk.done(&format!("{RECORD} --seed 3 --first 7 --form {form} --out {form}"));
+        let bytes = std::fs::read(desk.path(&format!("{form}/record_00007.{form}"))).unwrap();
+        let header = if form == "npy" { bytes.len() - 8 * rates.len() } else { 0 };
+        assert_eq!(header % 64, 0);
+        assert_eq!(doubles(&bytes[header..]), rates, "{form}");
+    }
+    desk.done(&format!("{RECORD} --seed 3 --first 7 --data increment --out increments"));
+    desk.done(&format!("{RECORD} --seed 3 --first 7 --data angle --out angles"));
+    let increments = numbers(&desk.read("increments/record_00007.csv"));
+    let angles = numbers(&desk.read("angles/record_00007.csv"));
+    assert_eq!(increments, rates, "a sample is 1 s, and 1 ″/s is 1 °/h");
+    assert!((angles[14399] - increments.iter().sum::<f64>()).abs() < 1e-9);
+}
+
+#[test]
+fn coefficients_of_simulated_records_are_within_their_intervals() {
+    let desk = desk();
+    desk.done(&format!("{RECORD} --records 40 --seed 5 --out all"));
+    let mut within = [0; 2];
+    for record in 0..40 {
+        desk.done(&format!("allan all/record_{record:05}.csv --bootstrap 0 --fit N,K --out out"));
+        let coefficients = desk.table("out/coefficients.csv");
+        for (place, (name, truth)) in [("N", 0.01), ("K", 0.5)].into_iter().enumerate() {
+            let row = coefficients.iter().find(|row| row["coefficient"] == name).unwrap();
+            let end = |name: &str| row[name].parse::<f64>().unwrap();
+            within[place] += usize::from((end("lower")..=end("upper")).contains(&truth));
+        }
+    }
+    // 99.9 % of 40 draws of 95 % are 32 or more.
+    assert!(within.iter().all(|count| *count >= 32), "{within:?}");
+}
+
+#[test]
+fn records_of_a_study_are_its_trials() {
+    let desk = desk();
+    let study = "title = \"One\"\nkind = \"allan\"\ntrials = 1\nseed = 9\n[record]\nsample = \"1 s\"\nlength = \"2 h\"\n\
+                 [allan]\noverlap = \"full\"\n[noise]\nangle_random_walk = \"0.01 deg/sqrt(h)\"\nreadout_lsb = \"0.5 arcsec\"\n";
+    desk.write("s.toml", study);
+    desk.done("run s.toml --out run");
+    desk.done("simulate s.toml --out made");
+    desk.done("allan made/record_00000.csv --fit none --tau octave --out found");
+    let curve = desk.table("found/curve.csv");
+    let points = desk.points("run");
+    assert!(points.len() > 5);
+    for point in points {
+        let is_same = |row: &&std::collections::BTreeMap<String, String>| row["tau_s"] == point["tau_s"];
+        let Some(row) = curve.iter().find(is_same) else { continue };
+        let [found, expected]: [f64; 2] =
+            [&row["value"], &point["adev_deg_per_h"]].map(|text| text.parse().unwrap());
+        assert!((found / expected - 1.0).abs() < 1e-6, "{}: {found} {expected}", point["tau_s"]);
+    }
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused_with_what_to_give() {
+    let desk = desk();
+    let study = "title = \"Two\"\nkind = \"allan\"\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[noise]\n\
+                 angle_random_walk = \"0.01 deg/sqrt(h)\"\n[[sweep]]\nkey = \"noise.angle_random_walk\"\nlist = [\"0.01 deg/sqrt(h)\", \"0.02 deg/sqrt(h)\"]\n";
+    desk.write("two.toml", study);
+    desk.fails("simulate noise.toml", 2, &["--rate 100Hz --length 1h"]);
+    desk.fails("simulate none.toml", 2, &["cannot read none.toml"]);
+    desk.fails("simulate two.toml", 2, &["--at KEY=VALUE for noise.angle_random_walk"]);
+    desk.fails("simulate two.toml --rate 1Hz", 2, &["are for noise files"]);
+    desk.fails("simulate noise.toml --rate 1Hz --length 1s", 3, &["too short"]);
+    desk.done("simulate two.toml --at angle_random_walk=0.02deg/sqrt(h) --out two");
+}
