@@ -22,7 +22,7 @@ const EXAMPLES: &str = "\
 Examples:
   sagnac simulate noise.toml --rate 100Hz --length 1h
   sagnac simulate noise.toml --rate 1Hz --length 9h --records 20 --seed 3 --form npy
-  sagnac simulate studies/lgk400_vs_lgv1.toml --at file=lgk400 --data increment";
+  sagnac simulate studies/record_length.toml --at length=4h --data increment";
 
 /// The study whose trials the records are.
 const STUDY: &str = "simulated.toml";

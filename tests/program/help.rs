@@ -28,8 +28,15 @@ fn prepared() -> Desk {
     let desk = Desk::with("");
     desk.write("my.toml", MY);
     let studies = Path::new(crate::ROOT).join("studies");
-    std::fs::create_dir_all(desk.path("studies")).unwrap();
-    for name in ["error_vs_dtnu.toml", "smoke.toml", "design_point.toml", "what_decides.toml"] {
+    std::fs::create_dir_all(desk.path("studies/data/gyros")).unwrap();
+    for name in [
+        "error_vs_dtnu.toml",
+        "smoke.toml",
+        "design_point.toml",
+        "what_decides.toml",
+        "record_length.toml",
+        "data/gyros/LGV-1.toml",
+    ] {
         std::fs::copy(studies.join(name), desk.path(&format!("studies/{name}"))).unwrap();
     }
     // White noise by a small generator, in three columns with time stamps of 10 ms, and a temperature that rises.

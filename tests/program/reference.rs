@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use crate::desk::PROGRAM;
+use crate::desk::{Desk, PROGRAM};
 use crate::generated::{check, filled};
 use sagnac::described::{By, files};
 use sagnac::table::{About, Role};
 use serde_json::Value;
 
 /// The commands in the order of the help.
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "run",
     "design",
     "sensitivity",
@@ -18,6 +18,7 @@ const COMMANDS: [&str; 18] = [
     "allan",
     "compare",
     "model",
+    "simulate",
     "convert",
     "report",
     "merge",
@@ -94,6 +95,17 @@ fn escaped(text: &str) -> String {
 
 #[test]
 fn the_reference_lists_all_commands_and_options() {
+    let listed_by_help = Desk::with("").done("--help").stdout;
+    let lines = listed_by_help.lines().filter_map(|line| line.strip_prefix("  "));
+    let in_help = |name: &&str| COMMANDS.iter().any(|own| own.split(' ').next() == Some(name));
+    let commands =
+        lines.filter(|line| !line.starts_with([' ', '-'])).filter_map(|line| line.split(' ').next());
+    let commands: Vec<&str> =
+        commands.filter(|name| name.chars().all(|letter| letter.is_ascii_lowercase())).collect();
+    assert!(
+        commands.len() > 12 && commands.iter().all(|name| *name == "sagnac" || in_help(name)),
+        "{commands:?}"
+    );
     let helps: Vec<(&str, Help)> = COMMANDS.iter().map(|name| (*name, help(name))).collect();
     // An option with one text in several commands is listed once, under these commands.
     let mut commands: BTreeMap<&(String, String), Vec<&str>> = BTreeMap::new();

@@ -39,7 +39,8 @@ pub(crate) fn is_temperature(name: &Name) -> bool {
 }
 
 /// The columns of samples that are requested, or those `named` by a layout, or the only one besides those `taken` for time and
-/// temperature, or those whose units are those of such data, or else those with names of gyros.
+/// temperature, or those whose units are those of such data, or else those with names of gyros and no
+/// unit.
 pub(crate) fn wanted(
     file: &ColumnFile,
     request: &Request,
@@ -62,7 +63,8 @@ pub(crate) fn wanted(
         !taken.contains(&Some(*column)) && file.calendar(*column).is_none() && !parts.contains(column)
     };
     let others: Vec<usize> = (0..file.columns()).filter(is_other).collect();
-    let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
+    let is_gyro =
+        |column: &usize| file.names().get(*column).is_some_and(|name| name.is_gyro() && name.unit.is_none());
     let gyros: Vec<usize> = proposed(file, request.data(), taken).into_iter().filter(is_gyro).collect();
     let [measuring, norms] =
         if request.units.is_empty() { measuring(file, request.data()) } else { [vec![], vec![]] };
@@ -93,6 +95,7 @@ pub(crate) fn wanted(
             };
             let proposed = proposed(file, request.data(), taken);
             let names: Vec<String> = proposed.iter().take(MAX_LISTED).map(name).collect();
+            let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
             let may_differ = proposed.len() > 1 && request.units.is_empty() && !proposed.iter().all(is_gyro);
             let units = if may_differ {
                 "; where they measure different things, give one unit for each, as in `unit = rad/s,m/s^2`"
