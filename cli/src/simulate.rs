@@ -33,31 +33,31 @@ const MAX_RECORDS: u64 = 100_000;
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// A noise file, such as noise.toml of `sagnac allan`, or a study of kind "allan"
+    /// A noise file, as `sagnac allan` writes it, or a study of kind "allan"
     #[arg(value_name = "NOISE|STUDY")]
     input: PathBuf,
-    /// Sampling rate or step of records of a noise file, as in 100Hz or "10 ms"
+    /// Sampling rate or step, for a noise file
     #[arg(long, value_name = "RATE", value_parser = step)]
     rate: Option<f64>,
-    /// Length of records of a noise file, as in 1h
+    /// Length, for a noise file
     #[arg(long, value_name = "TIME", value_parser = length)]
     length: Option<f64>,
-    /// Point of a study with sweeps: a value for each swept key
+    /// Values of swept keys, for a study with sweeps
     #[arg(long, value_name = "KEY=VALUE")]
     at: Vec<String>,
     /// Number of records
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| whole(text, 1..=MAX_RECORDS))]
     records: u64,
-    /// Number of the first record: the same record of a seed has the same numbers wherever it is made
+    /// Number of the first record; a record of a seed is the same wherever it is made
     #[arg(long, value_name = "K", default_value = "0", value_parser = |text: &str| whole(text, 0..=u64::MAX >> 1))]
     first: u64,
-    /// Seed of the random numbers [default: that of the study, or 1]
+    /// Seed [default: that of the study, or 1]
     #[arg(long, value_name = "S", value_parser = |text: &str| whole(text, 0..=i64::MAX as u64))]
     seed: Option<u64>,
-    /// Meaning of the numbers: rate in °/h, angle of each sample (increment) or from the start (angle) in ″
+    /// Rates in °/h, or angles in ″: of each sample (increment), or from the start (angle)
     #[arg(long, value_name = "KIND", default_value = "rate", value_parser = numbers())]
     data: Numbers,
-    /// Form of the files: csv, npy (NumPy), or raw (8 bytes a number, little-endian)
+    /// Form of the files; raw has numbers of 8 bytes
     #[arg(help_heading = "Output", long, value_name = "FORM", default_value = "csv", value_parser = form())]
     form: Form,
     /// Folder of the records [default: results/<name of the file>_records]
