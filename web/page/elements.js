@@ -17,6 +17,9 @@ export function button(label, title, act, attributes = {}) {
   return element("button", { type: "button", title, click: act, ...attributes }, label);
 }
 
+/** A note with what it quotes as code. */
+export const note = (text) => element("p", { class: "note" }, ...text.split("`").map((part, at) => (at % 2 === 1 ? element("code", {}, part) : part)));
+
 /** A whole number in groups of three digits, as reports write it. */
 export const grouped = (number) => Math.round(number).toString().replace(/\B(?=(\d{3})+$)/g, "\u202f");
 

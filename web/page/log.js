@@ -1,6 +1,6 @@
 // The view of a log: what was read, its noise, and what follows from the noise.
 
-import { Progress, announce, button, byId, copy, element, grouped, quoted, seconds, showError, showFiles } from "./elements.js";
+import { Progress, announce, button, byId, copy, element, grouped, note, quoted, seconds, showError, showFiles } from "./elements.js";
 import { engine, isStopped } from "./engine.js";
 import { Report } from "./report.js";
 
@@ -168,7 +168,7 @@ export class LogView {
     facts.replaceChildren(...[["Samples", grouped(samples)], ["Rate", rate], ["Length", length(samples * step)], ["Numbers", DATA[data]], ["Columns", shown]]
       .flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
     facts.hidden = false;
-    byId("log-notes").replaceChildren(...notes.map((note) => element("p", { class: "note" }, note)));
+    byId("log-notes").replaceChildren(...notes.map(note));
   }
 
   #buttons() {
@@ -245,7 +245,7 @@ export class LogView {
       await this.report.show(made[0], files.map(({ name }) => name).join(" and "));
       if (signal.aborted) return false;
       byId("log-ran").textContent = `${remark}Computed in this browser in ${seconds(took)}.`;
-      byId("log-notes").replaceChildren(...(reply.notes ?? []).map((note) => element("p", { class: "note" }, note)));
+      byId("log-notes").replaceChildren(...(reply.notes ?? []).map(note));
       const saved = reply.files.map((name, at) => ({ name, bytes: made[at + 1] }));
       showFiles(byId("log-files"), [{ name: "report.html", bytes: made[0] }, ...saved]);
       announce(reply.headline);
