@@ -118,7 +118,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 36] = [
+const OPTIONS: [&str; 37] = [
     "at",
     "band",
     "binary",
@@ -136,6 +136,7 @@ const OPTIONS: [&str; 36] = [
     "fit_to",
     "force",
     "from",
+    "length",
     "noise",
     "out",
     "overbound",

@@ -13,7 +13,7 @@ use sagnac::study::Study;
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 8] = [
+const WRITTEN: [(&str, &str); 9] = [
     ("curve.csv", "allan"),
     ("psd.csv", "allan"),
     ("compare.csv", "compare"),
@@ -22,6 +22,7 @@ const WRITTEN: [(&str, &str); 8] = [
     ("design.json", "design"),
     ("sensitivity.json", "sensitivity"),
     ("weights.csv", "filler"),
+    ("simulated.toml", "simulate"),
 ];
 
 /// Files without columns that commands write into results folders.

@@ -12,6 +12,7 @@ use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;
 use sagnac_base::quantity::{Dimension, parse};
 use sagnac_base::text_file::{MAX_TOML, read_text};
+use sagnac_engine::key::MAX_TRIALS;
 
 use crate::arg_parsers::{one_of, whole};
 use crate::failure::{Failure, in_options};
@@ -21,10 +22,10 @@ use crate::progress::{How, Shown};
 const EXAMPLES: &str = "\
 Examples:
   sagnac simulate noise.toml --rate 100Hz --length 1h
-  sagnac simulate noise.toml --rate 1Hz --length 9h --records 20 --seed 3 --form npy
+  sagnac simulate noise.toml --rate 1Hz --length 9h --records 20 --seed 3 --form npy --out lab
   sagnac simulate studies/record_length.toml --at length=4h --data increment";
 
-/// The study whose trials the records are.
+/// The file of the study whose trials the records are.
 const STUDY: &str = "simulated.toml";
 
 /// Most records of a command, each a file.
@@ -49,7 +50,7 @@ pub struct Options {
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| whole(text, 1..=MAX_RECORDS))]
     records: u64,
     /// Number of the first record; a record of a seed is the same wherever it is made
-    #[arg(long, value_name = "K", default_value = "0", value_parser = |text: &str| whole(text, 0..=u64::MAX >> 1))]
+    #[arg(long, value_name = "K", default_value = "0", value_parser = |text: &str| whole(text, 0..=MAX_TRIALS - MAX_RECORDS))]
     first: u64,
     /// Seed [default: that of the study, or 1]
     #[arg(long, value_name = "S", value_parser = |text: &str| whole(text, 0..=i64::MAX as u64))]
@@ -92,7 +93,7 @@ fn step(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Writes records of noise, one file each, with the study that has the same ones as its trials.
+/// Writes records of noise, one file each, with the study whose trials they are.
 pub fn simulate(options: &Options) -> Result<(), Failure> {
     let simulation = options.simulation()?;
     let stem = options.input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -100,21 +101,27 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     let path = options.out.clone().unwrap_or_else(default);
     let folder = Folder::open(&path)?.reading([&*options.input]);
     let study = simulation.study();
+    let place = match &options.at[..] {
+        [] => String::new(),
+        at => format!("# The records are those of the point with {}.\n", at.join(", ")),
+    };
+    let text = place + &study.resolved(study.trials);
+    // Records of other noise beside them would have another study.
+    let known = path.join(STUDY);
+    if known.exists() && read_text(&known, MAX_TOML).ok().as_deref() != Some(&text) {
+        let path = path.display();
+        return Err(Failure::Usage(format!(
+            "{path} holds records of other noise, or of another seed or point\ngive another folder with --out"
+        )));
+    }
     write_inputs(study, &folder)?;
-    folder.write(STUDY, study.resolved(options.first + options.records).as_bytes())?;
+    folder.write(STUDY, text.as_bytes())?;
     let progress = Shown::new(if options.quiet { How::None } else { How::Plain });
     progress.start("records", 0, options.records);
-    let mut written = vec![];
     for number in options.first..options.first + options.records {
         let name = format!("record_{number:05}.{}", options.form.ending());
         folder.write_by(&name, |to| simulation.write(number, options.data, options.form, to))?;
-        written.push(name);
         progress.advance(1);
-    }
-    for name in folder.listed() {
-        if name.starts_with("record_") && !written.contains(&name) {
-            folder.remove(&name)?;
-        }
     }
     folder.commit()?;
     match options.quiet {
@@ -127,10 +134,7 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
             },
             simulation.samples(),
             short(1.0 / simulation.sample_s()),
-            match &written[..] {
-                [only] => format!("record {}", path.join(only).display()),
-                _ => format!("records {}", path.display()),
-            }
+            format_args!("records {}", path.display())
         )),
     }
 }
@@ -143,13 +147,14 @@ impl Options {
         };
         let text = read_text(&self.input, MAX_TOML)
             .map_err(|error| Failure::Usage(format!("cannot read {}: {error}", self.input.display())))?;
-        let is_study = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("kind"));
+        // What is no TOML is refused with its place.
+        let is_study = text.parse::<toml::Table>().map_or(true, |table| table.contains_key("kind"));
         if is_study {
+            let mut study = Study::read(&self.input)?;
             if self.rate.or(self.length).is_some() {
                 let message = "--rate and --length are for noise files; a study has `record.sample` and `record.length`";
                 return Err(Failure::Usage(format!("{message}\nleave them out")));
             }
-            let mut study = Study::read(&self.input)?;
             study.seed = self.seed.unwrap_or(study.seed);
             return Simulation::of_study(&study, &self.at).map_err(refused);
         }

@@ -165,7 +165,8 @@ fn realized(
             realizations(&cpu, curve, fit, count)
         }
     };
-    let rows = rows.map_err(|error| error.to_string())?.ok_or("its records are not known yet")?;
+    let rows =
+        rows.map_err(|error| error.to_string())?.ok_or("the simulated records do not belong to this fit")?;
     fitter.fit_realized(curve.variances(), fit, &rows).map_err(|error| error.to_string())
 }
 

@@ -1,5 +1,5 @@
-//! The rows that a question asks of a study about, as options between which a designer chooses, under conditions that are given,
-//! and the order of options from the best one on. Which of both a column is, its key says.
+//! A question of a study: the rows that answer it, its options and conditions, and the order of options from the best one on. The
+//! key of a column says whether its values are options, between which a designer chooses, or conditions, which are given.
 
 use crate::view::stack::CURVE;
 use sagnac_base::diagnostics::listed;
@@ -177,7 +177,7 @@ impl<'t> Question<'t> {
 }
 
 /// What decides between options.
-pub(crate) struct Standing {
+pub(crate) struct Rank {
     /// Whether firmware can have it.
     pub(crate) is_usable: bool,
     /// The conditions or points for which it is within the limit; 0 where that does not count.
@@ -188,9 +188,9 @@ pub(crate) struct Standing {
 
 /// Sorts options from the best one on: usable ones first, then those that meet the limit most often, then the least costs. Equal
 /// ones keep their order.
-pub(crate) fn sort_best_first<T>(options: &mut [T], standing: impl Fn(&T) -> Standing) {
+pub(crate) fn sort_best_first<T>(options: &mut [T], rank: impl Fn(&T) -> Rank) {
     options.sort_by(|a, b| {
-        let [a, b] = [standing(a), standing(b)];
+        let [a, b] = [rank(a), rank(b)];
         b.is_usable.cmp(&a.is_usable).then(b.met.cmp(&a.met)).then(a.cost.total_cmp(&b.cost))
     });
 }

@@ -1,15 +1,19 @@
 //! Simulated records of a gyro at rest, from the kernels and the random numbers of studies.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 
 use crate::analysis::firmware::choice::{find, swept, value_of};
 use sagnac_base::diagnostics::{StudyError, listed};
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::allan::Allan;
+use sagnac_engine::kinds::allan::lower::MAX_SAMPLES;
 use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
 use sagnac_engine::study::Study;
+
+/// Fewest samples of a record.
+const MIN_SAMPLES: f64 = 16.0;
 
 /// Records that can be made of a point of a study of Allan curves.
 #[derive(Debug)]
@@ -26,7 +30,7 @@ pub enum SimulateError {
     /// The noise is not valid, or cannot be represented in the kernel's fixed point.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// The study is of another kind, or does not have the point that is asked for.
+    /// The study is of another kind, does not have the point that is asked for, or a record is too short or too long.
     #[error("{0}")]
     Point(String),
 }
@@ -90,6 +94,9 @@ impl Simulation {
                     Err(format!("the values of {} are {}", sweep.key.name, listed(&names)))
                 }
             };
+            if chosen[place].is_some() {
+                return Err(refused(format!("{} has a value already", sweep.key.name)));
+            }
             chosen[place] = Some(match by_name {
                 Some(own) => own.clone(),
                 None => SweepValue::Quantity(by_size().map_err(refused)?),
@@ -123,17 +130,23 @@ impl Simulation {
         length_s: f64,
         seed: u64,
     ) -> Result<Simulation, SimulateError> {
-        let [sample, length] = [sample_s, length_s].map(|seconds| significant(seconds, 12));
+        let samples = libm::round(length_s / sample_s);
+        if !(MIN_SAMPLES..=MAX_SAMPLES as f64).contains(&samples) {
+            let message = format!(
+                "`length = {length_s} s` has {samples} samples of {sample_s} s\naccepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples"
+            );
+            return Err(SimulateError::Point(message));
+        }
         let quoted = toml::Value::from(name);
         let study = format!(
-            "title = \"Simulated records\"\nkind = \"allan\"\ntrials = 1\nseed = {seed}\n\n[record]\nsample = \"{sample} s\"\n\
-             length = \"{length} s\"\n\n[noise]\nfile = {quoted}\n"
+            "title = \"Simulated records\"\nkind = \"allan\"\ntrials = 1\nseed = {seed}\n\n[record]\nsample = \"{sample_s} s\"\n\
+             length = \"{length_s} s\"\n\n[noise]\nfile = {quoted}\n"
         );
         let files = BTreeMap::from([(name.to_owned(), text.as_bytes().to_vec())]);
         Simulation::of_study(&Study::parse_with("simulated.toml", &study, &files)?, &[])
     }
 
-    /// The study whose trials the records are, with the truth about their noise.
+    /// The study whose trials the records are, with the truth about their noise; one with sweeps has other points too.
     pub fn study(&self) -> &Study {
         &self.study
     }
@@ -167,6 +180,7 @@ impl Simulation {
     /// # Errors
     /// `to` fails.
     pub fn write(&self, number: u64, numbers: Numbers, form: Form, to: &mut dyn Write) -> io::Result<()> {
+        let mut to = BufWriter::new(to);
         match form {
             Form::Csv => {
                 let column = match numbers {
@@ -191,7 +205,7 @@ impl Simulation {
                 };
             }
         });
-        written
+        written.and_then(|()| to.flush())
     }
 }
 

@@ -33,9 +33,21 @@ fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
     for form in ["npy", "raw"] {
         desk.done(&format!("{RECORD} --seed 3 --first 7 --form {form} --out {form}"));
         let bytes = std::fs::read(desk.path(&format!("{form}/record_00007.{form}"))).unwrap();
-        let header = if form == "npy" { bytes.len() - 8 * rates.len() } else { 0 };
-        assert_eq!(header % 64, 0);
-        assert_eq!(doubles(&bytes[header..]), rates, "{form}");
+        let numbers = match bytes.strip_prefix(b"\x93NUMPY\x01\x00") {
+            Some(rest) => {
+                let (header, numbers) =
+                    rest[2..].split_at(usize::from(u16::from_le_bytes([rest[0], rest[1]])));
+                let header = std::str::from_utf8(header).unwrap();
+                assert!(
+                    header.starts_with("{'descr': '<f8'") && header.contains("'shape': (14400,)"),
+                    "{header}"
+                );
+                assert_eq!((bytes.len() - numbers.len()) % 64, 0);
+                numbers
+            }
+            None => &bytes,
+        };
+        assert_eq!((form == "npy", doubles(numbers)), (numbers.len() < bytes.len(), rates.clone()), "{form}");
     }
     desk.done(&format!("{RECORD} --seed 3 --first 7 --data increment --out increments"));
     desk.done(&format!("{RECORD} --seed 3 --first 7 --data angle --out angles"));
@@ -75,13 +87,16 @@ fn records_of_a_study_are_its_trials() {
     let curve = desk.table("found/curve.csv");
     let points = desk.points("run");
     assert!(points.len() > 5);
+    let mut compared = 0;
     for point in points {
         let is_same = |row: &&std::collections::BTreeMap<String, String>| row["tau_s"] == point["tau_s"];
         let Some(row) = curve.iter().find(is_same) else { continue };
         let [found, expected]: [f64; 2] =
             [&row["value"], &point["adev_deg_per_h"]].map(|text| text.parse().unwrap());
         assert!((found / expected - 1.0).abs() < 1e-6, "{}: {found} {expected}", point["tau_s"]);
+        compared += 1;
     }
+    assert!(compared > 5, "{compared}");
 }
 
 #[test]
@@ -94,6 +109,28 @@ fn what_cannot_be_simulated_is_refused_with_what_to_give() {
     desk.fails("simulate none.toml", 2, &["cannot read none.toml"]);
     desk.fails("simulate two.toml", 2, &["--at KEY=VALUE for noise.angle_random_walk"]);
     desk.fails("simulate two.toml --rate 1Hz", 2, &["are for noise files"]);
-    desk.fails("simulate noise.toml --rate 1Hz --length 1s", 3, &["too short"]);
-    desk.done("simulate two.toml --at angle_random_walk=0.02deg/sqrt(h) --out two");
+    desk.fails(
+        "simulate noise.toml --rate 1Hz --length 1s",
+        2,
+        &["--length \"1 s\" has 1 samples", "accepted: 16 to"],
+    );
+    desk.fails("simulate two.toml --at angle_random_walk=0.03deg/sqrt(h)", 2, &["the values are"]);
+    let twice = "--at angle_random_walk=0.01deg/sqrt(h)";
+    desk.fails(&format!("simulate two.toml {twice} {twice}"), 2, &["has a value already"]);
+    desk.write("broken.toml", "kind = \"allan");
+    desk.fails("simulate broken.toml --rate 1Hz --length 1h", 3, &["broken.toml:1"]);
+    let spread = |value: &str| {
+        desk.done(&format!("simulate two.toml --at angle_random_walk={value}deg/sqrt(h) --out of_{value}"));
+        let rates = numbers(&desk.read(&format!("of_{value}/record_00000.csv")));
+        (rates.iter().map(|rate| rate * rate).sum::<f64>() / rates.len() as f64).sqrt()
+    };
+    let ratio = spread("0.02") / spread("0.01");
+    assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
+    desk.fails(
+        "simulate two.toml --at angle_random_walk=0.02deg/sqrt(h) --out of_0.01",
+        2,
+        &["of another seed or point"],
+    );
+    desk.done("simulate two.toml --at angle_random_walk=0.01deg/sqrt(h) --first 1 --out of_0.01");
+    assert!(desk.path("of_0.01/record_00000.csv").is_file(), "records that were there stay");
 }

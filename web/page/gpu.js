@@ -114,7 +114,9 @@ class Gpu {
   #pipeline(code) {
     if (!this.#pipelines.has(code)) {
       const module = this.device.createShaderModule({ code });
-      this.#pipelines.set(code, this.device.createComputePipelineAsync({ layout: "auto", compute: { module, entryPoint: "main" } }));
+      const made = this.device.createComputePipelineAsync({ layout: "auto", compute: { module, entryPoint: "main" } });
+      this.#pipelines.set(code, made);
+      made.catch(() => this.#pipelines.delete(code));
     }
     return this.#pipelines.get(code);
   }

@@ -27,6 +27,8 @@ export class LogView {
     this.other = null;
     /** The log that was read before this one, with its options, if any. */
     this.before = null;
+    /** The options with which the log was read. */
+    this.options = {};
     /** Names of the columns that were read. */
     this.columns = [];
     /** Number of records that are simulated for the intervals; 0 where that takes too long. */
@@ -64,7 +66,7 @@ export class LogView {
   open(file, options = {}) {
     if (file.size > MOST_BYTES) return this.#refuse(file);
     if (this.isComparing) return this.#compare(file);
-    if (this.columns.length > 0) this.before = { file: this.file, options: this.#options() };
+    this.#keep();
     this.file = file;
     this.other = null;
     this.form.reset();
@@ -79,6 +81,12 @@ export class LogView {
     if (this.file === first) await this.#compare(second);
   }
 
+  /** Remembers the log that was read, when another file takes its place. */
+  #keep() {
+    if (this.columns.length > 0) this.before = { file: this.file, options: this.options };
+    this.columns = [];
+  }
+
   #name(text) {
     byId("log-work").hidden = false;
     for (const part of ["log-introduction", "log-promise"]) byId(part).hidden = true;
@@ -91,9 +99,11 @@ export class LogView {
     this.progress.abort();
     this.#name(file.name);
     this.#clear();
+    this.#keep();
     this.file = null;
     this.#comparing(false);
     byId("log-actions").hidden = true;
+    this.#offerBefore();
     showError(byId("log-error"), new Error(`${file.name} has ${Math.round(file.size / 1e6)} MB; this page reads up to ${MOST_BYTES / 1e6} MB.\nThe program reads it in a terminal:\n\n    sagnac allan ${quoted(file.name)}`));
   }
 
@@ -107,9 +117,6 @@ export class LogView {
     showError(byId("log-error"), null);
   }
 
-  #options() {
-    return Object.fromEntries(new FormData(this.form));
-  }
 
   async #bytes(file) {
     return new Uint8Array(await file.arrayBuffer());
@@ -122,10 +129,12 @@ export class LogView {
     this.#clear();
     this.#comparing(false);
     this.columns = [];
+    // What is edited later counts when the log is read again.
+    this.options = Object.fromEntries(new FormData(this.form));
     byId("log-actions").hidden = true;
     const signal = this.progress.begin(`Reading ${file.name}`);
     try {
-      const { reply } = await engine.ask({ call: "read", name: file.name, options: this.#options() }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
+      const { reply } = await engine.ask({ call: "read", name: file.name, options: this.options }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.#facts(reply);
       this.records = reply.records;
       this.columns = reply.columns.map(({ name }) => name);
@@ -134,7 +143,7 @@ export class LogView {
     } catch (error) {
       this.#failed(error);
       if (error.kind === "record" || error.kind === "usage") this.#askForOptions(error);
-      this.#offerBefore();
+      if (!signal.aborted) this.#offerBefore();
       return;
     } finally {
       this.progress.end(signal);
@@ -189,7 +198,7 @@ export class LogView {
   }
 
   #command() {
-    const options = Object.entries(this.#options()).filter(([, value]) => value).map(([name, value]) => ` --${name} ${quoted(value)}`).join("");
+    const options = Object.entries(this.options).filter(([, value]) => value).map(([name, value]) => ` --${name} ${quoted(value)}`).join("");
     const name = quoted(this.file.name);
     if (this.shown === "compare") return `sagnac compare ${name} ${quoted(this.other.name)}${options}`;
     return `sagnac ${ANALYSES.find(({ id }) => id === this.shown).command.replace(/^\w+/, `$& ${name}`)}${options}`;
@@ -218,12 +227,14 @@ export class LogView {
   async #simulate(file, from, to) {
     const signal = this.progress.begin(`Simulating ${grouped(this.records)} records for the intervals`);
     try {
-      const made = await engine.simulate({ name: file.name, options: this.#options(), from, to }, {
+      const made = await engine.simulate({ name: file.name, options: this.options, from, to }, {
         blobs: [await this.#bytes(file)],
         signal,
-        progress: (done) => this.progress.set(from + done, this.records),
+        progress: (done, all) => this.progress.set(from + (to - from) * done / all, this.records),
       });
-      return made.flat().length > 0 ? made : null;
+      if (made.flat().length > 0) return made;
+      byId("log-ran").textContent = "Intervals in closed form: the noise cannot be simulated.";
+      return null;
     } catch (error) {
       this.#failed(error);
       return null;
@@ -240,7 +251,7 @@ export class LogView {
       // They are given away, and further records need them again.
       const blobs = [...await Promise.all(files.map((file) => this.#bytes(file))), ...more.map((bytes) => bytes.slice())];
       const begun = performance.now();
-      const { reply, blobs: made } = await engine.ask({ ...request, options: this.#options() }, { blobs, isGiven: true, signal, progress: (...part) => this.progress.set(...part) });
+      const { reply, blobs: made } = await engine.ask({ ...request, options: this.options }, { blobs, isGiven: true, signal, progress: (...part) => this.progress.set(...part) });
       const took = performance.now() - begun;
       await this.report.show(made[0], files.map(({ name }) => name).join(" and "));
       if (signal.aborted) return false;
@@ -282,18 +293,19 @@ export class LogView {
 
   /** A study simulates one gyro: of several columns, the reader chooses one. */
   #chooseColumn() {
-    if (this.columns.length === 1) return this.#study(this.columns[0]);
-    const choices = this.columns.map((name) => button(name, `Open a study with the noise of ${name}`, () => this.#study(name)));
+    if (this.columns.length === 1) return this.#study();
+    const choices = this.columns.map((name, at) => button(name, `Open a study with the noise of ${name}`, () => this.#study(at)));
     byId("log-choice").replaceChildren("Simulate:", ...choices);
     choices[0].focus();
   }
 
+  /** Opens a study with the noise of the only column, or of one by its place. */
   async #study(column) {
     const { file } = this;
     byId("log-choice").replaceChildren();
     const signal = this.progress.begin("Writing a study with this noise");
     try {
-      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: { ...this.#options(), column } }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
+      const { reply } = await engine.ask({ call: "study_of_log", name: file.name, options: this.options, column }, { blobs: [await this.#bytes(file)], isGiven: true, signal });
       this.openStudy(reply.text, file.name.replace(/\.\w+$/, ""));
     } catch (error) {
       this.#failed(error);

@@ -59,7 +59,7 @@ export class StudyView {
 
   /** Goes on where leaving stopped it. */
   enter() {
-    if (this.ran?.text !== this.text.value) this.#changed(0);
+    if (!this.isStopped && this.ran?.text !== this.text.value) this.#changed(0);
   }
 
   /** Stops what runs, when another view is shown. */

@@ -1,5 +1,5 @@
-//! A share of a study on the GPU of a browser. A page cannot wait for its GPU, so the share is run twice: the first time its
-//! dispatches are noted, the second time their answers are there.
+//! Shares of studies and the comparison of kernels on the GPU of a browser. A page cannot wait for its GPU, so the work is done twice:
+//! the first time its dispatches are noted, the second time their answers are there.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,7 +19,7 @@ use crate::message::{Refusal, Reply};
 /// Work of a batch, in trials' steps and in records.
 const BATCH: Budget = Budget { steps: 1 << 26, records: 1024 };
 
-/// Most words of the dispatches of a share, which are in memory together.
+/// Most words of the dispatches of such work, which are in memory together.
 const MAX_WORDS: usize = 1 << 26;
 
 /// Notes dispatches, of which nothing is known yet.

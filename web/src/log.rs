@@ -62,6 +62,8 @@ pub(crate) struct OneLog {
     /// Number of parts of simulated records whose files follow that of the log; none where they are still to be made.
     #[serde(default)]
     parts: usize,
+    /// Place of the column among those that were read, of which a study is made; by default the first.
+    column: Option<usize>,
 }
 
 /// A part of the records that are simulated for the intervals of a log.
@@ -168,7 +170,16 @@ impl OneLog {
         simulator: Option<Arc<dyn Simulator>>,
         progress: &dyn Progress,
     ) -> Result<Outcome, Refusal> {
-        let mut log = self.options.read(&self.name, files.first())?;
+        self.outcome(&mut self.options.read(&self.name, files.first())?, navigators, simulator, progress)
+    }
+
+    fn outcome(
+        &self,
+        log: &mut Log,
+        navigators: Option<NavigatorRequest>,
+        simulator: Option<Arc<dyn Simulator>>,
+        progress: &dyn Progress,
+    ) -> Result<Outcome, Refusal> {
         let request = AllanRequest {
             treatment: Treatment::AS_RECORDED,
             noise: NoiseRequest {
@@ -184,7 +195,7 @@ impl OneLog {
             navigators,
             limits: vec![],
         };
-        Ok(use_cases::allan(&mut log, Path::new(&self.name), &request, &mut vec![], progress)?)
+        Ok(use_cases::allan(log, Path::new(&self.name), &request, &mut vec![], progress)?)
     }
 
     pub(crate) fn allan(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
@@ -219,14 +230,16 @@ impl OneLog {
         Reply::of_outcome(&use_cases::model_noise(source, &request, progress)?)
     }
 
-    /// A study that simulates records with the noise of the log.
+    /// A study that simulates records with the noise of one column of the log.
     pub(crate) fn study(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
-        let log = self.options.read(&self.name, files.first())?;
-        let names: Vec<&str> = log.channels.iter().map(|channel| channel.name.as_str()).collect();
-        let [column] = names[..] else {
-            return Err(Refusal::usage("a study simulates one gyro, and the log has several columns"));
-        };
-        let outcome = self.analyzed(files, None, None, progress)?;
+        let mut log = self.options.read(&self.name, files.first())?;
+        let place = self.column.unwrap_or(0);
+        if place >= log.channels.len() {
+            return Err(Refusal::usage("the log has no such column"));
+        }
+        log.channels = vec![log.channels.swap_remove(place)];
+        let column = log.channels[0].name.clone();
+        let outcome = self.outcome(&mut log, None, None, progress)?;
         let is_noise = |(name, _): &&(String, Vec<u8>)| name.starts_with("noise") && name.ends_with(".toml");
         let (_, noise) = outcome.files.iter().find(is_noise).ok_or_else(|| {
             Refusal::usage(

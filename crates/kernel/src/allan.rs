@@ -102,6 +102,9 @@ impl Recorded for Recipe {
 impl Recipe {
     /// Hands out the angles of the record `number` at its N + 1 samples, LSB modulo 2^32, chunk by chunk in their order: those whose
     /// differences [`sums`](Recorded::sums) adds up.
+    ///
+    /// # Panics
+    /// The recipe does not [fit](Recipe::fits).
     pub fn angles(&self, number: u64, mut each: impl FnMut(&[u32])) {
         self.assert_fits();
         self.angles_of(number, &mut each);

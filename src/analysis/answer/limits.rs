@@ -1,7 +1,7 @@
 //! Answers against a limit: up to where each curve of options is good enough, and which part of a map is.
 
 use crate::analysis::answer::{Line, Named, Outline, at, headline, options, sampled, table};
-use crate::analysis::question::{Question, Standing, sort_best_first};
+use crate::analysis::question::{Question, Rank, sort_best_first};
 use sagnac_base::table::{Column, Window, windows};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, joined, number, range, span, symbol};
@@ -39,7 +39,7 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
     // Conditions have no best one, and keep their order.
     let is_chosen = !question.options.is_empty();
     if is_chosen {
-        sort_best_first(&mut order, |&at| Standing {
+        sort_best_first(&mut order, |&at| Rank {
             is_usable: choices[at].is_usable,
             met: within(at),
             cost: largest(at),

@@ -4,7 +4,7 @@ use crate::analysis::answer::{
     Line, Named, Outline, at, at_place, at_places, begun, headline, joined_names, place, reading_of_limit,
     sampled, spread, table,
 };
-use crate::analysis::question::{Choice, Question, Standing, less_is_better, sort_best_first};
+use crate::analysis::question::{Choice, Question, Rank, less_is_better, sort_best_first};
 use sagnac_base::table::{Column, Role};
 use sagnac_engine::chart::Limit;
 use sagnac_report::answer::reading::{Reading, span};
@@ -18,7 +18,7 @@ pub(super) fn outline_of_values(question: &Question) -> Outline {
     if is_error {
         sort_best_first(&mut choices, |choice| {
             let cost = worst(choice).map_or(f64::INFINITY, |row| question.size(row));
-            Standing { is_usable: choice.is_usable, met: 0, cost }
+            Rank { is_usable: choice.is_usable, met: 0, cost }
         });
     }
     let conditions = question.columns();
@@ -255,7 +255,7 @@ pub(super) fn curves_at_least(
 
 /// Sorts curves from the best one on.
 pub(super) fn sort_curves(question: &Question, found: &mut [Least]) {
-    sort_best_first(found, |least| Standing {
+    sort_best_first(found, |least| Rank {
         is_usable: least.is_usable,
         met: 0,
         cost: question.size(least.row),

@@ -1,6 +1,6 @@
 //! The best option of a study, the condition under which it is worst, and the rows that count for it.
 
-use crate::analysis::question::{Choice, Notches, Question, Standing, apart, sort_best_first, usual_filter};
+use crate::analysis::question::{Choice, Notches, Question, Rank, apart, sort_best_first, usual_filter};
 use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac_engine::chart::{Chart, Limit, Source};
 use sagnac_engine::kinds::allan::LENGTH;
@@ -110,7 +110,7 @@ impl<'t> BestOption<'t> {
         };
         sort_best_first(&mut options, |&Rated { row, met, .. }| {
             let cost = length.filter(|_| met > 0).map_or_else(|| value(row), |length| length.value(row));
-            Standing { is_usable: true, met, cost }
+            Rank { is_usable: true, met, cost }
         });
         let Some(Rated { name, row, met, rows }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);

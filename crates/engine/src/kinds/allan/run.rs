@@ -469,7 +469,7 @@ const STRIDE: Stride = Stride::Part(64);
 /// kernel refuses terms that are too small relative to the others.
 const SEEN: f64 = 1e-6;
 
-/// A maker of simulated records, such as a processor, or several that share the work and know nothing of each other.
+/// Computes simulated records, on a processor or on several workers.
 pub trait Simulator: core::fmt::Debug + Send + Sync {
     /// The sums of the records `0..count` of a recipe, one record after the other; `None` where some are not known yet.
     fn simulate(&self, recipe: &dyn Recorded, count: usize) -> Option<Vec<u128>>;
