@@ -189,7 +189,7 @@ impl Records {
     }
 
     /// Hands out the angles between the samples of the record `number`, ″, in their order. They contain the constant rate, and their
-    /// variances are those of the record's [sums](Recorded::sums).
+    /// variances are those of the record's sums.
     pub fn increments(&self, number: u64, mut each: impl FnMut(f64)) {
         // Angles wrap: beside the whole LSB of the rate of a readout, their differences are small.
         let (whole, omitted) = match self.fixed.pulse {
