@@ -127,14 +127,14 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     match options.quiet {
         true => Ok(()),
         false => print(&format!(
-            "{} of {} samples at {} Hz\n{}",
+            "{} of {} samples at {} Hz\nrecords {}",
             match options.records {
                 1 => "1 record".to_owned(),
                 records => format!("{records} records"),
             },
             simulation.samples(),
             short(1.0 / simulation.sample_s()),
-            format_args!("records {}", path.display())
+            path.display()
         )),
     }
 }

@@ -227,13 +227,13 @@ pub(crate) fn is_given(column: &Column) -> bool {
         .map_or_else(|| name.starts_with(COEFFICIENT), |key| key.role.is_given())
 }
 
-/// The columns that distinguish rows, each once, after some `columns`.
+/// The columns that distinguish rows, each once.
 pub(crate) fn apart<'t>(
     study: &Study,
     source: Source,
     table: &'t Table,
-    mut columns: Vec<&'t Column>,
 ) -> Result<Vec<&'t Column>, ColumnError> {
+    let mut columns: Vec<&Column> = vec![];
     let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
     for name in study.text_columns(source).into_iter().chain(sweeps) {
         if columns.iter().all(|column| column.name != name) {

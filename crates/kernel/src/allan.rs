@@ -4,14 +4,14 @@
 
 use std::sync::Arc;
 
-use crate::curve::{Chunk, Curve, Recorded, Source};
+use crate::curve::{Chunk, Curve, MAX_LANES, Recorded, Source};
 use crate::noise::Noise;
-use crate::philox::Address;
+use crate::philox::{Address, schedule};
 use crate::recipe::{CHUNK, Recipe, STREAMS};
 use crate::sealed::Sealed;
 use crate::shader::{Part, Shader, Variant, constants};
 use crate::width::Width;
-use crate::word::Word;
+use crate::word::{Scalar, Word};
 use crate::{Form, part};
 
 constants!(STATE_WORDS, HOLD_WORDS);
@@ -107,7 +107,14 @@ impl Recipe {
     /// The recipe does not [fit](Recipe::fits).
     pub fn angles(&self, number: u64, mut each: impl FnMut(&[u32])) {
         self.assert_fits();
-        self.angles_of(number, &mut each);
+        let keys = schedule(self.key.map(Scalar)).map(|key| key.map(|word| word.0));
+        let mut noise = self.begin(Address { low: Scalar(number as u32), high: (number >> 32) as u32, keys });
+        let mut angles: Chunk = [0; MAX_LANES * CHUNK];
+        let last = self.samples as usize;
+        for first in (0..=last).step_by(CHUNK) {
+            self.chunk(&mut noise, first, &mut angles);
+            each(&angles[..CHUNK.min(last + 1 - first)]);
+        }
     }
 
     /// Adds the noise to a shader: its files, sizes and options, and its parameters, which `fields` follow.

@@ -162,27 +162,8 @@ pub(crate) trait Source: Recorded {
         width.run(Records { source: self, first, count })
     }
 
-    /// Hands out the angles of the record `number` at its samples, chunk by chunk in their order.
-    fn angles_of(&self, number: u64, each: &mut dyn FnMut(&[u32]))
-    where
-        Self: Sized,
-    {
-        let address = Address::<Scalar> {
-            low: Scalar(number as u32),
-            high: (number >> 32) as u32,
-            keys: schedule(self.key().map(Scalar)).map(|key| key.map(|word| word.0)),
-        };
-        let mut state = self.begin(address);
-        let mut angles: Chunk = [0; MAX_LANES * CHUNK];
-        let last = self.curve().samples as usize;
-        for first in (0..=last).step_by(CHUNK) {
-            self.chunk(&mut state, first, &mut angles);
-            each(&angles[..CHUNK.min(last + 1 - first)]);
-        }
-    }
-
-    /// The same as [`sums_of`](Source::sums_of), with twice as many records side by side. It is quicker where each step waits for the
-    /// one before.
+    /// Computes the sums of [`sums_of`](Source::sums_of) with twice as many records side by side, which is quicker where each step waits
+    /// for the one before.
     fn sums_in_pairs(&self, width: Width, first: u64, count: usize) -> Vec<u128>
     where
         Self: Sized,

@@ -334,7 +334,7 @@ impl<'t> Question<'t> {
         let x = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
         retain_placed(&mut rows, x, y);
         // Every study of the kind has the columns.
-        let by = apart(study, Source::Points, table, vec![]).ok()?;
+        let by = apart(study, Source::Points, table).ok()?;
         let limit = decided.filter(|sheet| sheet.label == y.label).and_then(|sheet| sheet.limit);
         Some(Question::new(study, table, x, y, by, rows, limit))
     }

@@ -75,7 +75,7 @@ impl<'t> BestOption<'t> {
         let abscissa = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
         // Where each point has a single averaging time, there is no curve.
         let abscissa = abscissa.filter(|_| rows.iter().any(|&row| place(study, table, row).1 > 0));
-        let by = apart(study, source, table, vec![])?;
+        let by = apart(study, source, table)?;
         let question = Question::new(study, table, abscissa, column, by, rows, limit);
         let mut choices = question.under_conditions();
         let mut left_out = vec![];
