@@ -15,12 +15,12 @@ use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::measure::{Data, Unit, UnitCheck, UnitMismatch};
-use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
+use sagnac::record::log::read::{Duplicates, Hints, Request, Timing, step_of};
 use sagnac::record::log::{Log, Thermometer};
 use sagnac::study::Study;
 use sagnac::theory::allan::terms::Term;
 use sagnac_base::diagnostics::StudyError;
-use sagnac_base::quantity::{Dimension, Quantity, parse as parse_quantity};
+use sagnac_base::quantity::{Dimension, parse as parse_quantity};
 
 #[derive(Debug, Args)]
 pub struct Reading {
@@ -263,13 +263,7 @@ fn step(rate: &str) -> Result<f64, Failure> {
             "--rate {rate}: {why}\ngive samples per second, as in --rate 100Hz, or the time between them"
         ))
     };
-    let quantity = parse_quantity(rate, &[Dimension::Frequency, Dimension::Time]);
-    let Quantity { value, dimension, .. } = quantity.map_err(|error| wrong(error.to_string()))?;
-    match dimension {
-        _ if value <= 0.0 => Err(wrong("the rate is not positive".to_owned())),
-        Dimension::Time => Ok(value),
-        _ => Ok(1.0 / value),
-    }
+    step_of(rate).map_err(wrong)
 }
 
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {

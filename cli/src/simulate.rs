@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::TypedValueParser;
+use sagnac::record::log::read::step_of;
 use sagnac::run::write_inputs;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
@@ -38,7 +39,7 @@ pub struct Options {
     #[arg(value_name = "NOISE|STUDY")]
     input: PathBuf,
     /// Sampling rate or step, for a noise file
-    #[arg(long, value_name = "RATE", value_parser = step)]
+    #[arg(long, value_name = "RATE", value_parser = step_of)]
     rate: Option<f64>,
     /// Length, for a noise file
     #[arg(long, value_name = "TIME", value_parser = length)]
@@ -81,16 +82,6 @@ fn form() -> impl TypedValueParser<Value = Form> {
 fn length(text: &str) -> Result<f64, String> {
     let time = parse(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
     if time.value > 0.0 { Ok(time.value) } else { Err("it is not positive".to_owned()) }
-}
-
-/// The time between samples, s, of a rate or a step.
-fn step(text: &str) -> Result<f64, String> {
-    let found = parse(text, &[Dimension::Frequency, Dimension::Time]).map_err(|error| error.to_string())?;
-    match found.dimension {
-        _ if found.value <= 0.0 => Err("it is not positive".to_owned()),
-        Dimension::Time => Ok(found.value),
-        _ => Ok(1.0 / found.value),
-    }
 }
 
 /// Writes records of noise, one file each, with the study whose trials they are.

@@ -13,13 +13,12 @@ use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::record::binary::Binary;
 use sagnac::record::log::measure::{Data, Unit};
-use sagnac::record::log::read::{Hints, Request, Timing};
+use sagnac::record::log::read::{Hints, Request, Timing, step_of};
 use sagnac::record::log::{Log, Thermometer};
 use sagnac::use_cases::Outcome;
 use sagnac::use_cases::{self, AllanRequest, CompareRequest, ModelSource, Segments};
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::{Dimension, parse};
 use sagnac_engine::kinds::allan::run::Simulator;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -132,13 +131,7 @@ fn step(rate: &str) -> Result<f64, Refusal> {
             "`rate = {rate}`: {why}\ngive samples per second, as in 100 Hz, or the time between them"
         ))
     };
-    let quantity =
-        parse(rate, &[Dimension::Frequency, Dimension::Time]).map_err(|error| wrong(error.to_string()))?;
-    match quantity.dimension {
-        _ if quantity.value <= 0.0 => Err(wrong("it is not positive".to_owned())),
-        Dimension::Time => Ok(quantity.value),
-        _ => Ok(1.0 / quantity.value),
-    }
+    step_of(rate).map_err(wrong)
 }
 
 fn fitting() -> Option<Fitting> {

@@ -15,8 +15,8 @@ use crate::record::log::{Channel, Log, MAX_SAMPLES, Thermometer};
 use crate::record::names::{Name, unit_of};
 use crate::record::timestamps::interleaved;
 use crate::record::{Faults, RecordError};
-use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::{Dimension, parse};
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
 pub(crate) const RULES: Rules = Rules {
@@ -109,6 +109,19 @@ impl Timing {
             }
             _ => Ok(Timing::Stamps { step_s, column, unit }),
         }
+    }
+}
+
+/// The sampling interval, s, of a rate such as `100 Hz` or of the time between samples.
+///
+/// # Errors
+/// The text is neither, or not positive.
+pub fn step_of(rate: &str) -> Result<f64, String> {
+    let found = parse(rate, &[Dimension::Frequency, Dimension::Time]).map_err(|error| error.to_string())?;
+    match found.dimension {
+        _ if found.value <= 0.0 => Err("the rate is not positive".to_owned()),
+        Dimension::Time => Ok(found.value),
+        _ => Ok(1.0 / found.value),
     }
 }
 
