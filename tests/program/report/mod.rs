@@ -251,6 +251,12 @@ fn pages_suit_the_dark_phones_and_paper() {
         "return Math.min(...[...document.querySelectorAll('.tools button')].map((b) => b.offsetHeight))";
     assert!(browser.number(small) >= 30.0, "buttons can be touched");
     is_silent(&browser);
+    for results in [results, Results::new("which_filler", 64), Results::new("quantizer", 64)] {
+        browser.open(&results.page());
+        let top = browser
+            .number("return document.querySelector('[data-chart]').getBoundingClientRect().top + scrollY");
+        assert!(top < 500.0, "the first chart of {} begins at {top} px", results.page().display());
+    }
 }
 
 #[test]
