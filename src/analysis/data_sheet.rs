@@ -12,9 +12,9 @@ use sagnac_records::spectrum::{Density, Floor, Welch, lines};
 use sagnac_theory::allan::{Part, Process, Term};
 
 /// Default number of simulated records of a fit, unless the record has more than [`MAX_SIMULATED`] samples.
-pub const USUAL_REALIZATIONS: usize = 1000;
+pub(crate) const USUAL_REALIZATIONS: usize = 1000;
 /// Number of samples of a record above which simulating it so often takes more than a few seconds.
-pub const MAX_SIMULATED: usize = 2_000_000;
+pub(crate) const MAX_SIMULATED: usize = 2_000_000;
 
 /// The result for one coefficient, in the unit of data sheets.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ pub struct Row {
 }
 
 /// The first of the rows of each name, in their order.
-pub fn each_once<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a Row> {
+pub(crate) fn each_once<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a Row> {
     let mut found: Vec<&Row> = Vec::new();
     for row in rows {
         if found.iter().all(|other| other.name != row.name) {

@@ -58,7 +58,7 @@ impl<'t> Shown<'t> {
 ///
 /// # Errors
 /// A name selects no single column, an existing column is in the way, or a column has another unit than the first.
-pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
+pub(crate) fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let mut columns: Vec<&Column> = vec![];
     for name in names {
         let column = table.column(name)?;

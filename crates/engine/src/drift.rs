@@ -115,7 +115,7 @@ keys! {
     INITIAL = "drift.initial_magnetic", "initial magnetic drift", Condition, RATES, r#"initial_magnetic = "1 arcsec/s""#;
     /// δP_max, the largest error of the angle at a switch: "10 arcsec". In a study of kind = "switched-run" without
     /// fillers it is the amplitude of a residual that is a sine of the phase of the switch.
-    pub RESIDUAL_MAX = "drift.residual_max", "largest residual of a switch", Condition, ANGLES, r#"residual_max = "10 arcsec""#;
+    pub(crate) RESIDUAL_MAX = "drift.residual_max", "largest residual of a switch", Condition, ANGLES, r#"residual_max = "10 arcsec""#;
 }
 
 keys! {

@@ -354,7 +354,7 @@ keys! {
     ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", Condition, N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
     /// Lock-in of a ring laser gyro with a randomized dither, which adds N = Ω_L √(q/(2πΩ_D)) to angle_random_walk in
     /// quadrature: Ω_L the threshold, q the scale factor, Ω_D the amplitude of the dither's rate.
-    pub LOCK_IN = "noise.lock_in", "", Fixed, ValueType::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
+    pub(crate) LOCK_IN = "noise.lock_in", "", Fixed, ValueType::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
     /// Lock-in threshold Ω_L, the input rate up to which the gyro is locked without dither: "180 arcsec/s".
     LOCK_IN_THRESHOLD = "noise.lock_in.threshold", "lock-in threshold", Condition, THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
     /// Angle of one period of the beat: "2 arcsec/pulse".
@@ -388,19 +388,19 @@ keys! {
     /// Time constant: "20 min".
     WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", Condition, TIMES, r#"time = "20 min""#, required;
     /// Mode switches, the first one interval after the start of the record, and their effects on the angle.
-    pub SWITCHING = "noise.switching", "", Fixed, ValueType::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
+    pub(crate) SWITCHING = "noise.switching", "", Fixed, ValueType::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
     /// Time from one switch to the next: "40 s". It is rounded to a whole number of samples.
     pub INTERVAL = "noise.switching.interval", "interval between switches", Choice, TIMES, r#"interval = "40 s""#, required;
     /// Magnetic drift A of a warm gyro, whose sign every switch reverses: "14 arcsec/s".
     pub MAGNETIC = "noise.switching.magnetic", "magnetic drift A", Condition, SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
     /// Time constant with which A builds up from the start: "50 min". If absent, A is present from the start.
-    pub SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", Condition, TIMES, r#"warm_up_time = "50 min""#;
+    pub(crate) SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", Condition, TIMES, r#"warm_up_time = "50 min""#;
     /// Magnetic drift that is present from the start, to which A is added: "0.1 deg/h".
-    pub INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", Condition, SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
+    pub(crate) INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", Condition, SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
     /// Amplitude D of the residual that the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
     pub RESIDUAL = "noise.switching.residual", "amplitude of fill residuals D", Condition, ANGLES, r#"residual = "10 arcsec""#;
     /// Standard deviation of the additional noise of the residual: "2 arcsec".
-    pub RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", Condition, ANGLES, r#"residual_noise = "2 arcsec""#;
+    pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", Condition, ANGLES, r#"residual_noise = "2 arcsec""#;
 }
 
 /// The setting of the coefficient (0) or the shape (1) of a term. A term with a shape can be swept only where its table

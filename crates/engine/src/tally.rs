@@ -90,7 +90,7 @@ const MAX_LOG2: u32 = 26;
 const MIN_LOG2: u32 = 10;
 
 /// log2 of a study's base block. From 2^15 trials on, a point has 32 to 63 blocks.
-pub fn base_log2(trials: u64) -> u32 {
+pub(crate) fn base_log2(trials: u64) -> u32 {
     (trials / 32).max(1).ilog2().clamp(MIN_LOG2, MAX_LOG2)
 }
 
@@ -99,7 +99,7 @@ const QUICK: u32 = 18;
 
 /// log2 of the largest rows of a study with this many trials of this many steps each: its base block, or what is
 /// sampled in no time. Thousands of points then have few rows.
-pub fn row_log2(trials: u64, steps: u64) -> u32 {
+pub(crate) fn row_log2(trials: u64, steps: u64) -> u32 {
     base_log2(trials).max(QUICK.saturating_sub(steps.max(1).ilog2()))
 }
 
@@ -218,7 +218,7 @@ impl FromStr for Share {
 }
 
 /// The probability whose quantile is reported: 99.73 %, three standard deviations of a normal distribution.
-pub const LEVEL: f64 = 0.9973;
+pub(crate) const LEVEL: f64 = 0.9973;
 
 /// Half the width of a 95 % interval in standard errors.
 pub const NORMAL_95: f64 = 1.959_963_985;
@@ -443,7 +443,7 @@ fn bins_of_ranks<const N: usize>(filled: &[Filled], ranks: [f64; N]) -> [Option<
 /// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
 /// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
 /// ```
-pub fn z_score(value: f64, theory: f64, se: f64, proven: f64) -> Option<f64> {
+pub(crate) fn z_score(value: f64, theory: f64, se: f64, proven: f64) -> Option<f64> {
     let sigma = libm::hypot(se, proven);
     (sigma > 0.0 && (proven <= se || proven <= 0.05 * theory)).then(|| (value - theory) / sigma)
 }

@@ -24,7 +24,7 @@ pub const RING_LANES: usize = 32;
 pub(crate) const MAX_LANES: usize = 32;
 
 /// A chunk of words, one for each lane and sample.
-pub type Chunk = [u32; MAX_LANES * CHUNK];
+pub(crate) type Chunk = [u32; MAX_LANES * CHUNK];
 
 /// The differences that are taken of the angles of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -225,7 +225,7 @@ pub fn bin<W: Word>(error: W, base: u32) -> W {
 }
 
 /// The constant by which the levels in [`bin`] are too low.
-pub const LEVEL_OFFSET: u32 = (31 << BIN_BITS) - (1 << BIN_BITS);
+pub(crate) const LEVEL_OFFSET: u32 = (31 << BIN_BITS) - (1 << BIN_BITS);
 
 /// The level of the whole number `a` ≥ 1.
 pub fn level(a: u32) -> u32 {

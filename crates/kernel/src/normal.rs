@@ -31,7 +31,7 @@ impl Block for Normal {
 }
 
 /// Fractional bits of a normal number.
-pub const NORMAL_BITS: u32 = 28;
+pub(crate) const NORMAL_BITS: u32 = 28;
 
 /// One standard deviation: results are in units of 2^−28.
 pub const SIGMA: u32 = 1 << NORMAL_BITS;

@@ -25,7 +25,7 @@ macro_rules! parameters {
         }
 
         /// The place of each field among the words, as constants of a shader.
-        pub fn wgsl_places(shape: Shape) -> String {
+        pub(crate) fn wgsl_places(shape: Shape) -> String {
             let (mut text, mut from) = (String::new(), 0);
             $(
                 text += &format!("const {}: u32 = {from}u;\n", stringify!($field).to_uppercase());
@@ -35,7 +35,7 @@ macro_rules! parameters {
         }
 
         /// Number of parameter words of a shape.
-        pub fn word_count(shape: Shape) -> usize {
+        pub(crate) fn word_count(shape: Shape) -> usize {
             0 $(+ ($length)(shape))*
         }
     };

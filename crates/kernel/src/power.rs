@@ -33,16 +33,16 @@ impl Block for Power {
 }
 
 /// Fractional bits of a logarithm.
-pub const LOG_BITS: u32 = 26;
+pub(crate) const LOG_BITS: u32 = 26;
 
 /// The largest number that [`exp2_minus`] takes: 31.
-pub const MAX_MINUS: u32 = 31 << LOG_BITS;
+pub(crate) const MAX_MINUS: u32 = 31 << LOG_BITS;
 
 /// 1 in the unit of powers.
-pub const EXP2_ONE: u32 = 1 << 31;
+pub(crate) const EXP2_ONE: u32 = 1 << 31;
 
 /// (log2(1+u) − u)/(u(1 − u)) = L₀ − u(L₁ − u(L₂ − …)) for u in [0, 1]; in units of 2^−32.
-pub const LOG2: [u32; 10] = [
+pub(crate) const LOG2: [u32; 10] = [
     1_901_360_707,
     1_196_800_156,
     868_533_718,
@@ -56,11 +56,11 @@ pub const LOG2: [u32; 10] = [
 ];
 
 /// (1 + u − 2^u)/(u(1 − u)) = E₀ + u(E₁ + u(E₂ + …)) for u in [0, 1]; in units of 2^−32.
-pub const EXP2: [u32; 6] = [1_317_922_820, 286_158_105, 47_766_341, 6_473_286, 708_058, 93_032];
+pub(crate) const EXP2: [u32; 6] = [1_317_922_820, 286_158_105, 47_766_341, 6_473_286, 708_058, 93_032];
 
 /// The logarithm of `x` ≥ 1, read as unsigned: in units of 2^−26, from 0 to below 32.
 #[inline(always)]
-pub fn log2_word<W: Word>(x: W) -> W {
+pub(crate) fn log2_word<W: Word>(x: W) -> W {
     let octave = x.leading_zeros();
     let u = x.shift_left(octave) << 1;
     let mut sum = W::splat(LOG2[9]);
@@ -80,7 +80,7 @@ pub fn log2_word<W: Word>(x: W) -> W {
 
 /// 2^u for a fraction u in units of 2^−32: in units of 2^−31, from 2^31 to below 2^32.
 #[inline(always)]
-pub fn exp2_fraction<W: Word>(u: W) -> W {
+pub(crate) fn exp2_fraction<W: Word>(u: W) -> W {
     let mut sum = W::splat(EXP2[5]);
     sum = W::splat(EXP2[4]) + sum.mulhi(u);
     sum = W::splat(EXP2[3]) + sum.mulhi(u);
@@ -92,7 +92,7 @@ pub fn exp2_fraction<W: Word>(u: W) -> W {
 
 /// 2^−x for x in units of 2^−26, from 0 to [`MAX_MINUS`]: in units of 2^−31, floored.
 #[inline(always)]
-pub fn exp2_minus<W: Word>(x: W) -> W {
+pub(crate) fn exp2_minus<W: Word>(x: W) -> W {
     let whole = (x + W::splat((1 << LOG_BITS) - 1)) >> LOG_BITS;
     exp2_fraction((W::splat(0) - x) << (32 - LOG_BITS)).shift_right(whole)
 }

@@ -18,7 +18,7 @@ pub const STREAMS: usize = 4;
 pub const FOUR_STREAMS: usize = 3;
 
 /// The first octave whose holds are as long as a chunk.
-pub const LONG_HOLDS: usize = 6;
+pub(crate) const LONG_HOLDS: usize = 6;
 
 /// Angles at every `stride`-th sample, kept for the differences over some spans.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -20,7 +20,7 @@ pub const MAX_TICKS: usize = 8;
 
 /// Blocks of random words of a switch: one for the miss, one for the beat, one for each two ticks' detunings; the
 /// others are reserved.
-pub const RELOCK_BLOCKS: usize = 8;
+pub(crate) const RELOCK_BLOCKS: usize = 8;
 
 /// Fractional bits of the relative error of f0.
 const WRONG_BITS: u32 = 30;
@@ -141,7 +141,7 @@ pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize,
 
 /// The relative error of f0 in the temperature curve, 2^−30; it is the same at all switches of a trial.
 #[inline(always)]
-pub fn relock_wrong<W: Word>(given: &Given, address: &Address<W>) -> W {
+pub(crate) fn relock_wrong<W: Word>(given: &Given, address: &Address<W>) -> W {
     let words = address.draw(Purpose::Relock, 0);
     normal(words[3]).mul_wide(W::splat(given.p.temperature[0])).high_word()
 }

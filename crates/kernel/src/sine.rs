@@ -47,7 +47,7 @@ pub fn sine<W: Word>(phase: W) -> W {
 
 /// sin(πz/2)/z, in units of 2^−31, for z from 0 to 2^31 in the same units: π/2 · sinc of half of z.
 #[inline(always)]
-pub fn sine_ratio<W: Word>(z: W) -> W {
+pub(crate) fn sine_ratio<W: Word>(z: W) -> W {
     let zz = z.mulhi(z) << 1;
     let mut sum = W::splat(SINE[5]);
     sum = W::splat(SINE[4]) - sum.mulhi(zz);

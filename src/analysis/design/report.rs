@@ -267,13 +267,13 @@ fn of_best<'d>(
 }
 
 /// Each filler at its best interval, for each combination of swept values.
-pub fn filler_table(found: &Design) -> Table {
+pub(crate) fn filler_table(found: &Design) -> Table {
     of_best(found, &filler_columns(), found.fillers())
 }
 
 /// The choices that no other one beats in drift, latency and memory. `None` where there is nothing to trade: no swept key
 /// and no constraint, or no fillers.
-pub fn pareto_table(found: &Design) -> Option<Table> {
+pub(crate) fn pareto_table(found: &Design) -> Option<Table> {
     let front = found.pareto();
     let is_shown = found.trades() && !front.is_empty();
     is_shown.then(|| of_best(found, &pareto_columns(), front))
@@ -294,7 +294,7 @@ fn limit(found: &Design, duration_s: f64) -> Option<f64> {
 
 /// The chart of the drift over the latency, with the front of the choices that no other one beats. `None` where
 /// there is no table of them.
-pub fn pareto_figure(found: &Design) -> Option<Figure> {
+pub(crate) fn pareto_figure(found: &Design) -> Option<Figure> {
     pareto_table(found)?;
     let mut all: Vec<(&str, (f64, f64))> = Vec::new();
     for (_, filler) in found.fillers() {

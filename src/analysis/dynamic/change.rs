@@ -74,7 +74,7 @@ pub fn octaves(angles: &Angles) -> Vec<Octave> {
 }
 
 /// The octave with the least p.
-pub fn clearest(octaves: &[Octave]) -> Option<&Octave> {
+pub(crate) fn clearest(octaves: &[Octave]) -> Option<&Octave> {
     octaves.iter().min_by(|a, b| a.p.total_cmp(&b.p))
 }
 

@@ -138,7 +138,7 @@ pub struct Intervals {
 }
 
 /// The intervals in the comments of a noise.toml; none where others wrote it.
-pub fn intervals_of(text: &str) -> Intervals {
+pub(crate) fn intervals_of(text: &str) -> Intervals {
     let term = |symbol: &str| Term::EVERY.into_iter().find(|term| term.symbol() == symbol);
     let known = |line: &str| {
         let (symbol, ends) = line.strip_prefix(INTERVAL)?.split_once(": ")?;

@@ -18,7 +18,7 @@ use sagnac_theory::allan::markov::Step;
 use serde::Serialize;
 
 /// Size of the unit of a model in SI: of ″ in rad, or of µg in m/s².
-pub fn si(unit: Unit) -> f64 {
+pub(crate) fn si(unit: Unit) -> f64 {
     match unit {
         Unit::Acceleration => STANDARD_GRAVITY * 1e-6,
         Unit::Angular | Unit::Plain => core::f64::consts::PI / 648_000.0,

@@ -136,7 +136,7 @@ pub(crate) fn lines(column: &Column, taus: &[f64]) -> Vec<(String, Vec<(f64, f64
 /// The results of `sagnac model` with their answer, as `--json` prints them.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct ModelDocument<'a> {
+pub(crate) struct ModelDocument<'a> {
     /// What all documents have.
     #[serde(flatten)]
     pub document: Document<'a>,

@@ -219,19 +219,19 @@ keys! {
     pub(crate) static KEYS;
     /// One or several charts of the estimates: curves, or a map over two columns. If absent, the study has a chart that
     /// suits its kind. Columns are named without prefix and unit: "frequency", "rms".
-    pub CHART = "chart", "", Fixed, ValueType::Either(&[ValueType::Table, ValueType::List(&ValueType::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
+    pub(crate) CHART = "chart", "", Fixed, ValueType::Either(&[ValueType::Table, ValueType::List(&ValueType::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
     /// Kind of the chart; "curves" if absent.
     pub KIND = "chart.kind", "", Fixed, ValueType::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
     /// Table to draw; "points" if absent.
     pub TABLE = "chart.table", "", Fixed, ValueType::Word(Source::WORDS), r#"table = "coefficients""#;
     /// Title above the chart; the study's title if absent.
-    pub TITLE = "chart.title", "", Fixed, ValueType::Text, r#"title = "Largest error""#;
+    pub(crate) TITLE = "chart.title", "", Fixed, ValueType::Text, r#"title = "Largest error""#;
     /// Column of the abscissa; the values of a text column stand side by side. For a map it is a swept key, dt_nu or
     /// amplitude_noise.
     pub X = "chart.x", "", Fixed, ValueType::Text, r#"x = "dt_nu""#;
     /// Column of the ordinate. For curves it is the estimate, or a list of several with one unit, ["bound",
     /// "mean_drift"], each drawn in its own colour; for a map it is another swept key or dt_nu.
-    pub Y = "chart.y", "", Fixed, ValueType::Either(&[ValueType::Text, TEXTS]), r#"y = "rms""#;
+    pub(crate) Y = "chart.y", "", Fixed, ValueType::Either(&[ValueType::Text, TEXTS]), r#"y = "rms""#;
     /// Column that a map shows; in a winner map the least value wins.
     pub Z = "chart.z", "", Fixed, ValueType::Text, r#"z = "p99_73""#;
     /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
@@ -239,7 +239,7 @@ keys! {
     /// Columns whose values make the curves: the first sets the colour, the second the dash. If y has several columns,
     /// series has only one, which sets the dash. If absent, the curves are those of the fillers, the coefficients, or
     /// the swept keys.
-    pub SERIES = "chart.series", "", Fixed, TEXTS, r#"series = ["filler", "gap_ticks"]"#;
+    pub(crate) SERIES = "chart.series", "", Fixed, TEXTS, r#"series = ["filler", "gap_ticks"]"#;
     /// Reference curves to draw over a swept key or dt_nu, where y is an error in ″; each once.
     pub LAWS = "chart.references", "", Fixed, ValueType::List(&ValueType::Word(Law::WORDS)), r#"references = ["taylor-extremum", "noise"]"#;
     /// Rows to show: each entry names a swept key, filler, error, coefficient or tau, and one of its values. Rows with
@@ -250,11 +250,11 @@ keys! {
     /// a contour; a winner map is hatched where even the least value is above it.
     pub LIMIT = "chart.limit", "", Fixed, ValueType::Any, r#"limit = "10 arcsec""#;
     /// Scale of the abscissa; if absent, "linear" over a sweep that is linear or not above 0, else "log".
-    pub X_SCALE = "chart.x_scale", "", Fixed, SCALE, r#"x_scale = "log""#;
+    pub(crate) X_SCALE = "chart.x_scale", "", Fixed, SCALE, r#"x_scale = "log""#;
     /// Scale of the ordinate, like x_scale.
-    pub Y_SCALE = "chart.y_scale", "", Fixed, SCALE, r#"y_scale = "linear""#;
+    pub(crate) Y_SCALE = "chart.y_scale", "", Fixed, SCALE, r#"y_scale = "linear""#;
     /// Scale of the colours of a heat map; "log" if absent.
-    pub Z_SCALE = "chart.z_scale", "", Fixed, SCALE, r#"z_scale = "log""#;
+    pub(crate) Z_SCALE = "chart.z_scale", "", Fixed, SCALE, r#"z_scale = "log""#;
 }
 
 words! {

@@ -22,7 +22,7 @@ use sagnac_kernel::moments::{Moments, Trials};
 use sagnac_kernel::width::Width;
 
 /// Receives numbers of trials or records as they complete.
-pub type Advance<'a> = &'a (dyn Fn(u64) + Sync);
+pub(crate) type Advance<'a> = &'a (dyn Fn(u64) + Sync);
 
 /// Tallies of jobs, in their order: one for each estimate of a job.
 pub type Tallies = Vec<Vec<Moments>>;

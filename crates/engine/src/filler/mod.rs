@@ -194,7 +194,7 @@ keys! {
     pub(crate) static KEYS;
     /// Motion for which minimum-variance fillers without a band are designed, and on which all fillers are judged: lines
     /// and bands, each with its own tolerance. The motion that is sampled is that of [motion].
-    pub SPECIFICATION = "specification", "", Fixed, ValueType::Table, "[specification]\nlines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"0.1 %\" }]";
+    pub(crate) SPECIFICATION = "specification", "", Fixed, ValueType::Table, "[specification]\nlines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"0.1 %\" }]";
     /// Sines of random phase.
     LINES = "specification.lines", "", Fixed, ValueType::List(&ValueType::Table), r#"lines = [{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }]"#;
     /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec".

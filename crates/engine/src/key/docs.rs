@@ -176,10 +176,10 @@ fn of_word(word: &str, meaning: &str) -> Value {
 }
 
 /// The release in which the former names go.
-pub const GOES: &str = "0.4";
+pub(crate) const GOES: &str = "0.4";
 
 /// Former names with the present ones. Of keys and columns they may be a part between `.` and `_`.
-pub const RENAMED: [(&str, &str); 15] = [
+pub(crate) const RENAMED: [(&str, &str); 15] = [
     ("identified", "detected"),
     ("in_run_stability", "in_run_bias_stability"),
     ("law", "reference"),

@@ -362,13 +362,13 @@ keys! {
     /// The keys at the top of every study.
     pub(crate) static KEYS;
     /// Title shown above charts and reports.
-    pub TITLE = "title", "", Fixed, ValueType::Text, r#"title = "Error of the gap fillers""#, required;
+    pub(crate) TITLE = "title", "", Fixed, ValueType::Text, r#"title = "Error of the gap fillers""#, required;
     /// The question that the study answers, in one sentence.
-    pub QUESTION = "question", "", Fixed, ValueType::Text, r#"question = "Which filler is good enough?""#;
+    pub(crate) QUESTION = "question", "", Fixed, ValueType::Text, r#"question = "Which filler is good enough?""#;
     /// Kind of the study.
     pub KIND = "kind", "", Fixed, ValueType::Text, r#"kind = "gap-fill""#, required;
     /// Seed of all random numbers; 1 if absent.
-    pub SEED = "seed", "", Fixed, ValueType::Whole(0, i64::MAX), "seed = 1";
+    pub(crate) SEED = "seed", "", Fixed, ValueType::Whole(0, i64::MAX), "seed = 1";
     /// Monte Carlo trials at each point. If absent, 1 000 000; for kind = "switched-run" 100 000 runs, for kind =
     /// "allan" 1000 records, and for kind = "navigation" 1000 navigators. Kinds in closed form do not use it.
     pub TRIALS = "trials", "", Fixed, ValueType::Whole(1, MAX_TRIALS as i64), "trials = 1_000_000";

@@ -81,7 +81,7 @@ keys! {
     pub MOTION = "motion", "", Fixed, ValueType::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
     /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec"; an amplitude of the angle is multiplied
     /// by 2πν at each point. A table draws the amplitude for each trial.
-    pub AMPLITUDE = "motion.amplitude", "vibration amplitude", Condition, ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
+    pub(crate) AMPLITUDE = "motion.amplitude", "vibration amplitude", Condition, ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
     /// Drawn uniformly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
     UNIFORM = "motion.amplitude.uniform", "", Fixed, ValueType::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
     /// Rayleigh-distributed with this scale, the standard deviation of the rate; the phase is then uniform.
@@ -105,67 +105,67 @@ keys! {
     /// Stationary Gaussian motion, given by rms and band or by a density.
     pub GAUSSIAN = "motion.gaussian", "", Fixed, ValueType::Table, r#"gaussian = { rms = "8485 arcsec/s", band = ["18 Hz", "22 Hz"] }"#;
     /// Standard deviation of the rate: "8485 arcsec/s".
-    pub GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", Condition, RATES, r#"rms = "8485 arcsec/s""#;
+    pub(crate) GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", Condition, RATES, r#"rms = "8485 arcsec/s""#;
     /// Band over which the power is spread evenly: ["18 Hz", "22 Hz"].
-    pub GAUSSIAN_BAND = "motion.gaussian.band", "", Fixed, ValueType::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
+    pub(crate) GAUSSIAN_BAND = "motion.gaussian.band", "", Fixed, ValueType::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
     /// One-sided power spectral density of the rate, with straight lines in log–log between its points and nothing
     /// outside: [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
-    pub GAUSSIAN_PSD = "motion.gaussian.psd", "", Fixed, ValueType::List(&ValueType::Pair(&ValueType::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
+    pub(crate) GAUSSIAN_PSD = "motion.gaussian.psd", "", Fixed, ValueType::List(&ValueType::Pair(&ValueType::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
     /// A recorded motion to be replayed.
     pub PROFILE = "motion.profile", "", Fixed, ValueType::Table, r#"profile = { file = "base.csv" }"#;
     /// CSV file with columns of time and rate, whose units stand in brackets in the header; the path is relative to the
     /// study file.
-    pub PROFILE_FILE = "motion.profile.file", "", Fixed, ValueType::File, r#"file = "base.csv""#, required;
+    pub(crate) PROFILE_FILE = "motion.profile.file", "", Fixed, ValueType::File, r#"file = "base.csv""#, required;
     /// Place of the gap in the recorded profile; random if absent.
-    pub POSITION = "motion.profile.position", "", Fixed, ValueType::Word(Position::WORDS), r#"position = "random""#;
+    pub(crate) POSITION = "motion.profile.position", "", Fixed, ValueType::Word(Position::WORDS), r#"position = "random""#;
     /// Rate between the samples of the recorded profile; band-limited if absent. Take "linear" if the record has jumps.
-    pub INTERPOLATION = "motion.profile.interpolation", "", Fixed, ValueType::Word(Interpolation::WORDS), r#"interpolation = "band-limited""#;
+    pub(crate) INTERPOLATION = "motion.profile.interpolation", "", Fixed, ValueType::Word(Interpolation::WORDS), r#"interpolation = "band-limited""#;
     /// Part of the recorded profile from which minimum-variance fillers without a band are designed; the first half if
     /// absent, and all fillers are then judged on the second half.
-    pub DESIGN = "motion.profile.design", "", Fixed, ValueType::Word(Design::WORDS), r#"design = "whole""#;
+    pub(crate) DESIGN = "motion.profile.design", "", Fixed, ValueType::Word(Design::WORDS), r#"design = "whole""#;
     /// Vibration of the base that turns the gyro through its suspension: either a sine or random.
     pub SUSPENSION = "motion.suspension", "", Fixed, ValueType::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
     /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
     pub GYRO = "motion.suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
     /// Modes of the suspension instead of a name, the useful one first.
-    pub MODES = "motion.suspension.modes", "", Fixed, ValueType::List(&ValueType::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    pub(crate) MODES = "motion.suspension.modes", "", Fixed, ValueType::List(&ValueType::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
-    pub MODE_FREQUENCY = "motion.suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    pub(crate) MODE_FREQUENCY = "motion.suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
-    pub MODE_Q = "motion.suspension.modes.q", "", Fixed, QS, "q = 100", required;
+    pub(crate) MODE_Q = "motion.suspension.modes.q", "", Fixed, QS, "q = 100", required;
     /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
     /// "20000 arcsec/s/g".
-    pub MODE_RESPONSE = "motion.suspension.modes.response", "", Fixed, RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    pub(crate) MODE_RESPONSE = "motion.suspension.modes.response", "", Fixed, RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
     /// A sine of random phase.
     pub SINE = "motion.suspension.sine", "", Fixed, ValueType::Table, r#"sine = { acceleration = "1 g", frequency = "700 Hz" }"#;
     /// Amplitude of the acceleration: "1 g".
-    pub SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", Condition, ACCELERATIONS, r#"acceleration = "1 g""#, required;
+    pub(crate) SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", Condition, ACCELERATIONS, r#"acceleration = "1 g""#, required;
     /// Frequency of the vibration: "700 Hz".
-    pub SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "700 Hz""#, required;
+    pub(crate) SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "700 Hz""#, required;
     /// Stationary Gaussian vibration.
     pub RANDOM = "motion.suspension.random", "", Fixed, ValueType::Table, r#"random = { psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]] }"#;
     /// One-sided power spectral density of the acceleration, with straight lines in log–log between its points and
     /// nothing outside: [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]].
-    pub RANDOM_PSD = "motion.suspension.random.psd", "", Fixed, ValueType::List(&ValueType::Pair(&ValueType::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
+    pub(crate) RANDOM_PSD = "motion.suspension.random.psd", "", Fixed, ValueType::List(&ValueType::Pair(&ValueType::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
     /// Standard deviation to which the density is scaled: "5 g". If absent, the density is used as it is.
-    pub RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", Condition, ACCELERATIONS, r#"rms = "5 g""#;
+    pub(crate) RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", Condition, ACCELERATIONS, r#"rms = "5 g""#;
     /// Whether resonances and vibration may lie above half the tick rate, so that they appear in the ticks at lower
     /// frequencies.
-    pub ALIAS = "motion.suspension.alias", "", Fixed, ValueType::Flag, "alias = true";
+    pub(crate) ALIAS = "motion.suspension.alias", "", Fixed, ValueType::Flag, "alias = true";
     /// Constant rate added to the motion: "10 deg/s".
     pub RATE = "motion.rate", "constant rate", Condition, measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s"), r#"rate = "10 deg/s""#;
     /// Constant angular acceleration added to the motion; motion.rate is then the rate at the middle of the gap: "100
     /// deg/s^2".
-    pub ACCELERATION = "motion.acceleration", "angular acceleration", Condition, measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
+    pub(crate) ACCELERATION = "motion.acceleration", "angular acceleration", Condition, measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
 }
 
 keys! {
     /// The ends of bands, which occur only in sweeps.
     pub(crate) static ENDS;
     /// The lower end of the band from which a tone is drawn.
-    pub FREQUENCY_LOW = "motion.frequency.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
+    pub(crate) FREQUENCY_LOW = "motion.frequency.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
     /// The upper end of the band from which a tone is drawn.
-    pub FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", Condition, FREQUENCIES, r#"high = "22 Hz""#;
+    pub(crate) FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", Condition, FREQUENCIES, r#"high = "22 Hz""#;
     /// The lower end of the band of Gaussian motion.
     GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
     /// The upper end of the band of Gaussian motion.

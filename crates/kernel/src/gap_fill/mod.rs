@@ -231,7 +231,7 @@ impl<W: Word> Sum<W> {
 }
 
 /// The default ticks with three fillers and one tone, the shape of most points.
-pub const POLYNOMIALS: Shape = Shape {
+pub(crate) const POLYNOMIALS: Shape = Shape {
     before: 4,
     after: 2,
     residual_before: 2,
@@ -287,4 +287,4 @@ impl Trial for Shape {
 }
 
 /// Most normal numbers of Gaussian motion: a gap and two sides of [`MAX_SIDE`] ticks.
-pub const MAX_GAUSSIANS: usize = 3 * MAX_SIDE;
+pub(crate) const MAX_GAUSSIANS: usize = 3 * MAX_SIDE;

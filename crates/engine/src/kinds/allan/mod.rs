@@ -121,16 +121,16 @@ keys! {
     /// The keys of the curve and its fit, for every kind of study that has one.
     pub(crate) static CURVE_KEYS;
     /// Estimates made from each record.
-    pub ALLAN_TABLE = "allan", "", Fixed, ValueType::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
+    pub(crate) ALLAN_TABLE = "allan", "", Fixed, ValueType::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
     /// Averaging times: "octave", "decade10", "decade20", or ["1 s", "10 s"]; octave if absent.
     pub TAU = "allan.tau", "", Fixed, TEXTS, r#"tau = "octave""#;
     /// Estimated variance; "overlapping" if absent.
-    pub ESTIMATOR = "allan.estimator", "", Fixed, ValueType::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
+    pub(crate) ESTIMATOR = "allan.estimator", "", Fixed, ValueType::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
     /// Fraction of the overlapping differences that is used; "m/64" if absent.
-    pub OVERLAP = "allan.overlap", "", Fixed, ValueType::Word(Overlap::WORDS), r#"overlap = "full""#;
+    pub(crate) OVERLAP = "allan.overlap", "", Fixed, ValueType::Word(Overlap::WORDS), r#"overlap = "full""#;
     /// Coefficients fitted to each record: "auto" for those of Q, N, B, K, R that it supports, or some of "Q", "N",
     /// "B", "K", "R", "markov", "sine"; none if absent.
-    pub FIT = "allan.fit", "", Fixed, TEXTS, r#"fit = ["Q", "N", "B"]"#;
+    pub(crate) FIT = "allan.fit", "", Fixed, TEXTS, r#"fit = ["Q", "N", "B"]"#;
 }
 
 /// The settings of these keys, except the noise.

@@ -109,13 +109,13 @@ keys! {
     pub GYRO = "gyro", "", Fixed, TABLE, "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.53 arcsec\" }";
     /// Noise of the angle of one tick, independent from tick to tick, in exactly one of three forms. Leave it out if
     /// [noise] gives the noise.
-    pub TICK_NOISE = "gyro.tick_noise", "", Fixed, ValueType::OneOf, "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" if there is no noise, for example with readout_lsb alone";
+    pub(crate) TICK_NOISE = "gyro.tick_noise", "", Fixed, ValueType::OneOf, "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" if there is no noise, for example with readout_lsb alone";
     /// Standard deviation, an angle: "0.53 arcsec".
     NOISE_STD = "gyro.tick_noise.std", "tick noise σ", Condition, ANGLES, r#"std = "0.53 arcsec""#;
     /// Three standard deviations, an angle: "1.6 arcsec".
     NOISE_THREE_SIGMA = "gyro.tick_noise.three_sigma", "tick noise 3σ", Condition, THREE_SIGMAS, r#"three_sigma = "1.6 arcsec""#;
     /// Angle random walk N, from which the standard deviation is N·√tick: "0.003 deg/sqrt(h)".
-    pub NOISE_RANDOM_WALK = "gyro.tick_noise.angle_random_walk", "angle random walk", Condition, N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
+    pub(crate) NOISE_RANDOM_WALK = "gyro.tick_noise.angle_random_walk", "angle random walk", Condition, N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
     /// Angle of a pulse, if the gyro counts whole pulses: "3.2 arcsec". If absent, the readout is not quantized.
     pub READOUT_LSB = "gyro.readout_lsb", "pulse weight", Condition, PULSES, r#"readout_lsb = "3.2 arcsec""#;
     /// Angles that the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].

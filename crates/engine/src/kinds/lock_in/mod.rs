@@ -254,14 +254,14 @@ keys! {
     /// White phase noise of the beam, as the angle random walk that it causes without lock-in; 0 if absent.
     BEAM_NOISE = "lock_in.beam_noise", "phase noise of the beam", Choice, WALKS, r#"beam_noise = "0.0002 deg/sqrt(h)""#;
     /// Factor on the number of steps of the integration, to see that the results do not depend on it; 1 if absent.
-    pub REFINEMENT = "lock_in.refinement", "factor on the steps", Choice, FACTORS, "refinement = 2";
+    pub(crate) REFINEMENT = "lock_in.refinement", "factor on the steps", Choice, FACTORS, "refinement = 2";
     /// Dither, a torsional oscillation of the block, which keeps the gyro out of lock-in; none if absent. Its noise is that of each
     /// half-cycle, from one zero crossing of its angle to the next.
     pub DITHER = "dither", "", Fixed, ValueType::Table, "[dither]\nfrequency = \"400 Hz\"\nrate = \"100 deg/s\"\namplitude_noise = \"2 %\"";
     /// Dither frequency f_d: "400 Hz".
     pub FREQUENCY = "dither.frequency", "dither frequency", Choice, FREQUENCIES, r#"frequency = "400 Hz""#, required;
     /// Amplitude Ω_D of the dither rate: "100 deg/s".
-    pub DITHER_RATE = "dither.rate", "amplitude of the dither rate", Choice, AMPLITUDES, r#"rate = "100 deg/s""#, required;
+    pub(crate) DITHER_RATE = "dither.rate", "amplitude of the dither rate", Choice, AMPLITUDES, r#"rate = "100 deg/s""#, required;
     /// Randomization: standard deviation of the amplitude, independent in each half-cycle, as a part of the amplitude; 0 if absent.
     pub AMPLITUDE_NOISE = "dither.amplitude_noise", "amplitude noise of the dither", Choice, RATIOS, r#"amplitude_noise = "2 %""#;
     /// Standard deviation of the step of the amplitude's random walk from half-cycle to half-cycle, as a part of the amplitude; 0 if
@@ -276,7 +276,7 @@ keys! {
     /// Input rate Ω at the start: "37 arcsec/s"; 0 if absent.
     pub RATE = "input.rate", "input rate", Condition, RATES, r#"rate = "37 arcsec/s""#;
     /// Change of the input rate, for a slow passage through a dead band: "1 arcsec/s^2"; 0 if absent.
-    pub RAMP = "input.ramp", "ramp of the input rate", Choice, RAMPS, r#"ramp = "1 arcsec/s^2""#;
+    pub(crate) RAMP = "input.ramp", "ramp of the input rate", Choice, RAMPS, r#"ramp = "1 arcsec/s^2""#;
     /// The record of the angle.
     RECORD = "record", "", Fixed, ValueType::Table, "[record]\nlength = \"10 s\"";
     /// Time from one sample of the angle to the next, rounded to whole periods of the dither unless it is left in; one period, or 10 ms

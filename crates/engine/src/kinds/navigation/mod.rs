@@ -391,26 +391,26 @@ keys! {
     /// The keys of the navigator.
     pub(crate) static KEYS;
     /// The navigator: its task, its times, its place on the Earth and its leg.
-    pub NAVIGATION_TABLE = "navigation", "", Fixed, ValueType::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
+    pub(crate) NAVIGATION_TABLE = "navigation", "", Fixed, ValueType::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
     /// Task of the navigator; "inertial" if absent.
-    pub SOLUTION = "navigation.solution", "", Fixed, ValueType::Word(Solution::WORDS), r#"solution = "inertial""#;
+    pub(crate) SOLUTION = "navigation.solution", "", Fixed, ValueType::Word(Solution::WORDS), r#"solution = "inertial""#;
     /// Time from the start to the end, for "inertial" and "heading": "1 h".
-    pub DURATION = "navigation.duration", "time of navigation", Question, DURATIONS, r#"duration = "1 h""#;
+    pub(crate) DURATION = "navigation.duration", "time of navigation", Question, DURATIONS, r#"duration = "1 h""#;
     /// Time at rest before the start, for "inertial" and "gyrocompass", in which the east gyro finds the heading from the
     /// rate of the Earth. If absent, "inertial" starts without errors. "heading" may have it for its calibration.
     pub ALIGNMENT = "navigation.alignment", "time of alignment", Fixed, DURATIONS, r#"alignment = "10 min""#;
     /// Whether the mean rates of the other gyros in the alignment are taken as their biases and removed; false if absent.
-    pub CALIBRATION = "navigation.calibration", "", Fixed, ValueType::Flag, "calibration = true";
+    pub(crate) CALIBRATION = "navigation.calibration", "", Fixed, ValueType::Flag, "calibration = true";
     /// Path of the noise model of a Kalman filter, relative to the folder of the study, for "heading": a document of
     /// `sagnac model --json` with one column. The filter finds the bias of the gyro in the alignment and predicts it from the
     /// start on; calibration is that of a filter that knows white noise only.
-    pub FILTER = "navigation.filter", "filter", Fixed, ValueType::File, r#"filter = "model.json""#;
+    pub(crate) FILTER = "navigation.filter", "filter", Fixed, ValueType::File, r#"filter = "model.json""#;
     /// Latitude at the start, for "inertial" and "gyrocompass": "60 deg".
     pub LATITUDE = "navigation.latitude", "latitude", Question, LATITUDES, r#"latitude = "60 deg""#;
     /// Speed on a straight leg, for "inertial"; at rest if absent: "250 m/s".
     pub SPEED = "navigation.speed", "speed", Question, SPEEDS, r#"speed = "250 m/s""#;
     /// Course of the leg from north over east; north if absent: "90 deg".
-    pub COURSE = "navigation.course", "course", Question, COURSES, r#"course = "90 deg""#;
+    pub(crate) COURSE = "navigation.course", "course", Question, COURSES, r#"course = "90 deg""#;
     /// Time from one sample of the gyros to the next. If absent, it is chosen so that a record has more than 2000 samples
     /// and switches of modes fall on samples; the responses are averaged over each sample.
     pub SAMPLE = "navigation.sample", "sampling time", Question, SAMPLES, r#"sample = "1 s""#;

@@ -229,7 +229,7 @@ const MIN_MISS: f64 = 1_048_576.0;
 /// Largest apparent rotation of the loop in a tick, LSB.
 const MAX_FAKED: f64 = 67_108_864.0;
 /// Largest sum of all ticks with their compensation, LSB.
-pub const MAX_LEFT: f64 = 268_435_456.0;
+pub(crate) const MAX_LEFT: f64 = 268_435_456.0;
 
 /// Most units of the beat in a tick, and fewest units in a count, whose fraction determines where a count falls.
 const MAX_BEAT: f64 = 134_217_728.0;

@@ -34,7 +34,7 @@ use sagnac_theory::relock::{
 
 /// The part of a study that is specific to relocking.
 #[derive(Debug, Clone)]
-pub struct RelockStudy {
+pub(crate) struct RelockStudy {
     /// Inputs before any sweep.
     pub inputs: RelockInputs,
     /// All points, in order; without a sweep, a single one.
@@ -224,7 +224,7 @@ keys! {
     pub(crate) static KEYS;
     /// The path-length control loop after a mode switch: its initial detuning, and the measurements made while it settles.
     /// Detunings are fractions of the wavelength, without unit; absent values are 0.
-    pub RELOCK_TABLE = "relock", "", Fixed, ValueType::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
+    pub(crate) RELOCK_TABLE = "relock", "", Fixed, ValueType::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
     /// Detuning Δλ0 left by a switch: 0.05.
     MISS = "relock.initial_detuning", "initial detuning Δλ0", Choice, MISSES, "initial_detuning = 0.05", required;
     /// Error of the half-wave voltage U_λ/2: standard deviation of the initial detuning, normally distributed.
@@ -236,7 +236,7 @@ keys! {
     /// Time constant τ_L of the closed loop: "12 ms".
     LOOP_TIME = "relock.loop_time", "time constant of the loop", Choice, TIMES, r#"loop_time = "12 ms""#, required;
     /// Frequency f0 of the bias at zero detuning: "80 kHz".
-    pub BIAS = "relock.bias_frequency", "frequency of the bias", Fixed, BIASES, r#"bias_frequency = "80 kHz""#, required;
+    pub(crate) BIAS = "relock.bias_frequency", "frequency of the bias", Fixed, BIASES, r#"bias_frequency = "80 kHz""#, required;
     /// Angle of a period of the beat: "2.6 arcsec".
     PULSE = "relock.pulse_weight", "pulse weight", Choice, PULSES, r#"pulse_weight = "2.6 arcsec""#, required;
     /// Curvature χ in f = f0 (1 − χΔλ²), Z(2): 40.
