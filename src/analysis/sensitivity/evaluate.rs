@@ -3,88 +3,103 @@
 use std::collections::HashMap;
 
 use crate::analysis::sensitivity::SensitivityError;
-use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::diagnostics::StudyError;
 use sagnac_base::table::{Column, Role, Table};
-use sagnac_engine::device::Device;
 use sagnac_engine::key::Key;
 use sagnac_engine::key::sweep::SweepValue;
-use sagnac_engine::run::Plan;
-use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
-use sagnac_engine::tally::{NORMAL_95, Share};
+use sagnac_engine::tally::NORMAL_95;
 
 /// Most points that are lowered and sampled together, whose tallies are held in memory.
 const MAX_POINTS: usize = 512;
 
-/// Evaluates the answer of a study at points.
-pub(crate) struct Evaluator<'a> {
-    pub(crate) study: &'a Study,
-    pub(crate) keys: Vec<&'static Key>,
+/// The evaluations that a sensitivity needs, in steps: a driver takes the study of some points by [`next`](Evaluations::next), makes
+/// the table of its points, and gives it back by [`put`](Evaluations::put).
+pub(crate) struct Evaluations {
+    study: Study,
+    keys: Vec<&'static Key>,
     /// The column of the answer.
-    pub(crate) by: String,
+    by: String,
     /// The row of each point, as pairs of a column and its value.
     pub(crate) rows: Vec<(String, String)>,
-    pub(crate) device: &'a mut Device,
-    pub(crate) progress: &'a dyn Progress,
-    /// Whether the answer is known without sampling.
-    pub(crate) is_exact: bool,
+    /// The points that are now evaluated, and which of them each requested point is. A point that occurs repeatedly is evaluated
+    /// once.
+    points: Vec<Vec<SweepValue>>,
+    places: Vec<usize>,
+    /// The answers at the first of these points.
+    answers: Vec<f64>,
     /// Number of evaluated points, and the sum over them of the squared standard errors of the answer.
     pub(crate) evaluated: u64,
     pub(crate) noise: f64,
 }
 
-impl Evaluator<'_> {
-    /// The answers at points, in their order. A point that occurs repeatedly is evaluated once.
-    ///
-    /// # Errors
-    /// A point cannot be represented, the choice of rows is wrong, or the device fails.
-    pub(crate) fn at(&mut self, points: &[Vec<SweepValue>]) -> Result<Vec<f64>, SensitivityError> {
-        let mut places: HashMap<Vec<u64>, usize> = HashMap::new();
-        let mut different: Vec<Vec<SweepValue>> = Vec::new();
-        let bits = |value: &SweepValue| value.quantity().map_or(0, |quantity| quantity.value.to_bits());
-        let place_of = |point: &Vec<SweepValue>| {
-            *places.entry(point.iter().map(bits).collect()).or_insert_with(|| {
-                different.push(point.clone());
-                different.len() - 1
-            })
-        };
-        let of_points: Vec<usize> = points.iter().map(place_of).collect();
-        let mut answers = Vec::with_capacity(different.len());
-        for some in different.chunks(MAX_POINTS) {
-            answers.extend(self.of_some(some)?);
-            self.progress.advance(some.len() as u64);
-        }
-        self.progress.advance((points.len() - different.len()) as u64);
-        Ok(of_points.into_iter().map(|place| answers[place]).collect())
+impl Evaluations {
+    pub(crate) fn new(
+        study: Study,
+        keys: Vec<&'static Key>,
+        by: String,
+        rows: Vec<(String, String)>,
+    ) -> Evaluations {
+        let (points, places, answers) = (vec![], vec![], vec![]);
+        Evaluations { study, keys, by, rows, points, places, answers, evaluated: 0, noise: 0.0 }
     }
 
-    fn of_some(&mut self, points: &[Vec<SweepValue>]) -> Result<Vec<f64>, SensitivityError> {
-        let study = self.study.at_points(&self.keys, points)?;
-        let table = self.table(&study)?;
-        let (column, rows) = chosen(&table, &self.by, &self.rows, points.len())?;
-        for &row in &rows {
+    /// Requests the answers at points, after those of earlier requests were [taken](Evaluations::take).
+    pub(crate) fn request(&mut self, points: Vec<Vec<SweepValue>>) {
+        let mut places: HashMap<Vec<u64>, usize> = HashMap::new();
+        let bits = |value: &SweepValue| value.quantity().map_or(0, |quantity| quantity.value.to_bits());
+        for point in points {
+            let place = *places.entry(point.iter().map(bits).collect()).or_insert(self.points.len());
+            self.places.push(place);
+            if place == self.points.len() {
+                self.points.push(point);
+            }
+        }
+    }
+
+    /// The study of the next points; `None` where all are evaluated.
+    ///
+    /// # Errors
+    /// A point is outside the limits of its key or is not a valid one.
+    pub(crate) fn next(&self) -> Result<Option<Study>, StudyError> {
+        let points = self.next_points();
+        (!points.is_empty()).then(|| self.study.at_points(&self.keys, points)).transpose()
+    }
+
+    /// Takes the answers from the table of the points that [`next`](Evaluations::next) gave. Returns the number of points.
+    ///
+    /// # Errors
+    /// The choice of rows is wrong, or a point has no answer.
+    pub(crate) fn put(&mut self, table: &Table) -> Result<usize, SensitivityError> {
+        let points = self.next_points();
+        let (column, rows) = chosen(table, &self.by, &self.rows, points.len())?;
+        let answer = |(row, point): (&usize, &Vec<SweepValue>)| {
+            let value = column.cells[*row].number();
+            value.ok_or_else(|| SensitivityError::NoValue { column: column.header(), at: self.place(point) })
+        };
+        let answers = rows.iter().zip(points).map(answer).collect::<Result<Vec<f64>, SensitivityError>>()?;
+        for row in rows {
             let error = match table.beside(column, Role::StandardError) {
                 Some(errors) => errors.cells[row].number(),
                 None => column.interval(row).map(|(low, high)| 0.5 * (high - low) / NORMAL_95),
             };
             self.noise += error.map_or(0.0, |error| error * error);
         }
-        self.evaluated += points.len() as u64;
-        let answer = |(row, point): (usize, &Vec<SweepValue>)| {
-            let value = column.cells[row].number();
-            value.ok_or_else(|| SensitivityError::NoValue { column: column.header(), at: self.place(point) })
-        };
-        rows.into_iter().zip(points).map(answer).collect()
+        self.evaluated += answers.len() as u64;
+        self.answers.extend(&answers);
+        Ok(answers.len())
     }
 
-    fn table(&mut self, study: &Study) -> Result<Table, SensitivityError> {
-        let plan = Plan::new(study)?;
-        if self.is_exact {
-            return Ok(plan.blank_tables().points);
-        }
-        let mut store = Store::in_memory(&plan.identity());
-        plan.run(&mut store, self.device, Share::WHOLE, &Silent)?;
-        Ok(plan.tables(&store, &Silent)?.points)
+    /// Takes the answers at the requested points, in their order, when all are evaluated.
+    pub(crate) fn take(&mut self) -> Vec<f64> {
+        let answers = std::mem::take(&mut self.answers);
+        self.points.clear();
+        self.places.drain(..).map(|place| answers[place]).collect()
+    }
+
+    fn next_points(&self) -> &[Vec<SweepValue>] {
+        let rest = &self.points[self.answers.len()..];
+        &rest[..rest.len().min(MAX_POINTS)]
     }
 
     /// The values at a point, for messages.

@@ -46,13 +46,14 @@ pub mod report;
 pub(crate) mod sobol;
 
 use crate::analysis::design::Found;
+use crate::analysis::jackknife::PARTS;
 use crate::analysis::page;
-use crate::analysis::sensitivity::evaluate::{Evaluator, chosen};
-use crate::analysis::sensitivity::report::{count, joined, swings};
-use crate::analysis::sensitivity::sobol::{indices, samples, share};
+use crate::analysis::sensitivity::evaluate::{Evaluations, chosen};
+use crate::analysis::sensitivity::report::{Swings, count, joined, points_of_swings};
+use crate::analysis::sensitivity::sobol::{indices, points, samples, share};
 use crate::use_cases::Outcome;
 use sagnac_base::diagnostics::StudyError;
-use sagnac_base::progress::Progress;
+use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::{Cells, Column, ColumnError, Usual};
 use sagnac_engine::chart::{Chart, Limit, Source};
@@ -60,7 +61,9 @@ use sagnac_engine::device::Device;
 use sagnac_engine::key::sensitivity::{SENSITIVITY, Uncertain};
 use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::run::{Plan, RunError};
+use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
+use sagnac_engine::tally::Share;
 use sagnac_report::page::document::Provenance;
 
 pub use crate::analysis::sensitivity::report::Input;
@@ -175,27 +178,29 @@ impl Sensitivity {
         study.trials = request.trials.unwrap_or(usual);
         progress.start("evaluations", 0, evaluations);
         let by = answer.name.clone();
-        let (evaluated, noise) = (0, 0.0);
-        let mut evaluator =
-            Evaluator { study: &study, keys, by, rows, device, progress, is_exact, evaluated, noise };
-        let swings = swings(&mut evaluator, &nominal, uncertain)?;
-        let found = indices(uncertain.len(), samples, study.seed, |points| {
-            let at = |point: &Vec<f64>| uncertain.iter().zip(point).map(|(input, u)| input.at(*u)).collect();
-            evaluator.at(&points.iter().map(at).collect::<Vec<Vec<SweepValue>>>())
-        })?;
+        let (inputs, seed) = (uncertain.len(), study.seed);
+        let mut steps = Evaluations::new(study.clone(), keys, by, rows);
+        let swings = points_of_swings(&nominal, uncertain);
+        let swings = Swings::new(&drive(&mut steps, swings, is_exact, device, progress)?);
+        let at = |point: &Vec<f64>| uncertain.iter().zip(point).map(|(input, u)| input.at(*u)).collect();
+        let part = |part: u64| {
+            let points = points(inputs, samples, part, seed).iter().map(at).collect();
+            drive(&mut steps, points, is_exact, device, progress)
+        };
+        let parts = (0..PARTS).map(part).collect::<Result<Vec<Vec<f64>>, SensitivityError>>()?;
+        let found = indices(inputs, &parts);
         let Some(found) = found else {
             let value = significant(swings.nominal, 4);
             return Err(SensitivityError::Constant { column: answer.header(), value });
         };
-        let noise = evaluator.noise / evaluator.evaluated as f64 / (found.sd.value * found.sd.value);
+        let noise = steps.noise / steps.evaluated as f64 / (found.sd.value * found.sd.value);
         let mut all = found.answers.concat();
         all.sort_by(f64::total_cmp);
         let quantile = |level: f64| all[((level * all.len() as f64) as usize).min(all.len() - 1)];
         let limit = limit(&study, &answer);
         let within = limit.map(|limit| (limit, share(&found.answers, |y| y.abs() <= limit.value)));
-        let rows = evaluator.rows;
         Ok(Sensitivity {
-            rows,
+            rows: steps.rows,
             samples,
             evaluations,
             trials: (!is_exact).then_some(study.trials),
@@ -222,6 +227,33 @@ impl Sensitivity {
         inputs.sort_by(|a, b| b.index.total.value.total_cmp(&a.index.total.value));
         inputs
     }
+}
+
+/// The answers at points, sampled on a device where they are not in closed form.
+fn drive(
+    steps: &mut Evaluations,
+    points: Vec<Vec<SweepValue>>,
+    is_exact: bool,
+    device: &mut Device,
+    progress: &dyn Progress,
+) -> Result<Vec<f64>, SensitivityError> {
+    let mut repeated = points.len();
+    steps.request(points);
+    while let Some(study) = steps.next()? {
+        let plan = Plan::new(&study)?;
+        let table = if is_exact {
+            plan.blank_tables().points
+        } else {
+            let mut store = Store::in_memory(&plan.identity());
+            plan.run(&mut store, device, Share::WHOLE, &Silent)?;
+            plan.tables(&store, &Silent)?.points
+        };
+        let evaluated = steps.put(&table)?;
+        repeated -= evaluated;
+        progress.advance(evaluated as u64);
+    }
+    progress.advance(repeated as u64);
+    Ok(steps.take())
 }
 
 /// The value of an input that the study writes, else its median.

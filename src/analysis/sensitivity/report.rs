@@ -1,9 +1,8 @@
 //! The report of a sensitivity: answer, tables and charts.
 
 use crate::analysis::design::Found;
-use crate::analysis::sensitivity::evaluate::Evaluator;
 use crate::analysis::sensitivity::sobol::{Index, Indices};
-use crate::analysis::sensitivity::{LEVELS, Sensitivity, SensitivityError};
+use crate::analysis::sensitivity::{LEVELS, Sensitivity};
 use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};
@@ -332,15 +331,8 @@ fn levels() -> impl Iterator<Item = f64> {
     (0..=STEPS).map(|step| LEVELS[0] + (LEVELS[2] - LEVELS[0]) * step as f64 / STEPS as f64)
 }
 
-/// Evaluates the answer along each input.
-///
-/// # Errors
-/// The errors of the evaluation.
-pub(crate) fn swings(
-    evaluator: &mut Evaluator,
-    nominal: &[SweepValue],
-    uncertain: &[Uncertain],
-) -> Result<Swings, SensitivityError> {
+/// The points of all swings: the nominal one, and then those along each input.
+pub(crate) fn points_of_swings(nominal: &[SweepValue], uncertain: &[Uncertain]) -> Vec<Vec<SweepValue>> {
     let along = |(place, input): (usize, &Uncertain)| {
         let at = |level: f64| {
             let mut point = nominal.to_vec();
@@ -350,10 +342,15 @@ pub(crate) fn swings(
         levels().map(at).collect::<Vec<Vec<SweepValue>>>()
     };
     let moved = uncertain.iter().enumerate().flat_map(along);
-    let points: Vec<Vec<SweepValue>> = std::iter::once(nominal.to_vec()).chain(moved).collect();
-    let answers = evaluator.at(&points)?;
-    let inputs = answers[1..].chunks_exact(STEPS + 1).map(<[f64]>::to_vec).collect();
-    Ok(Swings { nominal: answers[0], inputs })
+    std::iter::once(nominal.to_vec()).chain(moved).collect()
+}
+
+impl Swings {
+    /// The swings from the answers at [their points](points_of_swings).
+    pub(crate) fn new(answers: &[f64]) -> Swings {
+        let inputs = answers[1..].chunks_exact(STEPS + 1).map(<[f64]>::to_vec).collect();
+        Swings { nominal: answers[0], inputs }
+    }
 }
 
 /// Each input with its indices and its swing.

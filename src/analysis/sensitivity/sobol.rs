@@ -39,19 +39,9 @@ pub(crate) fn samples(asked: u64) -> u64 {
     asked.div_ceil(PARTS).next_power_of_two().min(MAX_OF_PART) * PARTS
 }
 
-/// The indices of a function of numbers from 0 to 1, one for each of the `inputs`. `evaluate` gives its values at the
-/// points of a part. `None` where the answer is the same everywhere.
-///
-/// # Errors
-/// The errors of `evaluate`.
-pub(crate) fn indices<E>(
-    inputs: usize,
-    samples: u64,
-    seed: u64,
-    mut evaluate: impl FnMut(&[Vec<f64>]) -> Result<Vec<f64>, E>,
-) -> Result<Option<Indices>, E> {
-    let parts = (0..PARTS).map(|part| evaluate(&points(inputs, samples / PARTS, part, seed)));
-    let parts = parts.collect::<Result<Vec<Vec<f64>>, E>>()?;
+/// The indices of a function of `inputs` numbers from 0 to 1, from its values at the [`points`] of each part. `None` where the
+/// answer is the same everywhere.
+pub(crate) fn indices(inputs: usize, parts: &[Vec<f64>]) -> Option<Indices> {
     let width = inputs + 2;
     let answers: Vec<Vec<f64>> = parts
         .iter()
@@ -59,7 +49,7 @@ pub(crate) fn indices<E>(
         .collect();
     let all: Vec<f64> = answers.concat();
     if all.iter().all(|y| *y == all[0]) {
-        return Ok(None);
+        return None;
     }
     let middle = all.iter().sum::<f64>() / all.len() as f64;
     let sums: Vec<Sums> = parts.iter().map(|part| Sums::new(part, width, middle)).collect();
@@ -68,12 +58,12 @@ pub(crate) fn indices<E>(
         first: found(&|sums| sums.first[input] / sums.samples / sums.variance()),
         total: found(&|sums| 0.5 * sums.total[input] / sums.samples / sums.variance()),
     };
-    Ok(Some(Indices {
+    Some(Indices {
         inputs: (0..inputs).map(index).collect(),
         mean: found(&|sums| middle + sums.mean()),
         sd: found(&|sums| libm::sqrt(sums.variance())),
         answers,
-    }))
+    })
 }
 
 /// The part of some answers for which a statement holds, with its interval from the parts.
@@ -88,8 +78,8 @@ pub(crate) fn share(answers: &[Vec<f64>], holds: impl Fn(f64) -> bool) -> Found 
     around(of(None), &(0..counted.len()).map(|place| of(Some(place))).collect::<Vec<f64>>())
 }
 
-/// The points of a part: for each sample A, B, and A with each input in turn taken from B.
-fn points(inputs: usize, samples: u64, part: u64, seed: u64) -> Vec<Vec<f64>> {
+/// The points of a part of `samples`: for each sample A, B, and A with each input in turn taken from B.
+pub(crate) fn points(inputs: usize, samples: u64, part: u64, seed: u64) -> Vec<Vec<f64>> {
     // Every part of every seed has a scramble of its own; of larger seeds both halves count.
     let scramble = (seed.wrapping_mul(PARTS) + part) as u32 ^ (seed >> 32) as u32;
     let at = |sample: u64, dimension: usize| {
@@ -107,7 +97,7 @@ fn points(inputs: usize, samples: u64, part: u64, seed: u64) -> Vec<Vec<f64>> {
         let mixed: Vec<Vec<f64>> = (0..inputs).map(mixed).collect();
         [a, b].into_iter().chain(mixed).collect::<Vec<Vec<f64>>>()
     };
-    (0..samples).flat_map(of_sample).collect()
+    (0..samples / PARTS).flat_map(of_sample).collect()
 }
 
 /// Sums over samples, of answers y less one common number.
@@ -192,9 +182,8 @@ mod tests {
     }
 
     fn of(samples: u64, seed: u64) -> Indices {
-        let evaluate =
-            |points: &[Vec<f64>]| Ok::<_, ()>(points.iter().map(|point| ishigami(point)).collect());
-        indices(3, samples, seed, evaluate).unwrap().unwrap()
+        let part = |part| points(3, samples, part, seed).iter().map(|point| ishigami(point)).collect();
+        indices(3, &(0..PARTS).map(part).collect::<Vec<Vec<f64>>>()).unwrap()
     }
 
     /// First-order and total indices, mean and standard deviation in closed form.
@@ -244,7 +233,7 @@ mod tests {
 
     #[test]
     fn an_answer_that_depends_on_nothing_has_no_indices() {
-        let found = indices(2, 64, 1, |points| Ok::<_, ()>(vec![5.0; points.len()])).unwrap();
-        assert_eq!(found, None);
+        let part = |part| vec![5.0; points(2, 64, part, 1).len()];
+        assert_eq!(indices(2, &(0..PARTS).map(part).collect::<Vec<Vec<f64>>>()), None);
     }
 }
