@@ -14,7 +14,7 @@ use sagnac::run::{RESOLVED, RunError};
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::FolderError;
 use sagnac::tally::Share;
-use sagnac::use_cases::LogError;
+use sagnac::use_cases::{LogError, MergeError};
 use sagnac_base::diagnostics::{StudyError, spelled};
 
 use crate::look;
@@ -184,6 +184,24 @@ impl From<ChoiceError> for Failure {
         match error {
             ChoiceError::Asked(message) => Failure::Usage(in_options(&message)),
             ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
+}
+
+impl From<MergeError> for Failure {
+    fn from(error: MergeError) -> Failure {
+        match error {
+            MergeError::Study(error) => error.into(),
+            MergeError::Store(error) => error.into(),
+            MergeError::Folder(error) => error.into(),
+            MergeError::Run(error) => error.into(),
+            error @ MergeError::NoStudy { .. } => Failure::Usage(format!(
+                "{error}\ngive folders of results; the study itself can be given with --study FILE"
+            )),
+            error @ MergeError::DifferentStudies { .. } => Failure::Usage(format!(
+                "{error}\ngive the study for the tables and charts with --study FILE, and its --trials"
+            )),
+            error @ MergeError::DifferentInputs { .. } => Failure::Usage(error.to_string()),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Detection of results folders of studies and of other commands.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::model::writers::WRITERS;
@@ -69,18 +68,6 @@ pub fn within(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     found.retain(|path| path.is_dir());
     found.sort();
     Ok(found)
-}
-
-/// The absolute path; the given one if the file system cannot resolve it.
-pub fn whole(path: &Path) -> PathBuf {
-    let path = if path == Path::new("") { Path::new(".") } else { path };
-    path.canonicalize().unwrap_or_else(|_| path.to_owned())
-}
-
-/// A filter that passes each folder once, whatever its paths, and those of `taken` never.
-pub fn once(taken: &[&Path]) -> impl FnMut(&Path) -> bool + use<> {
-    let mut taken: HashSet<PathBuf> = taken.iter().map(|path| whole(path)).collect();
-    move |folder| taken.insert(whole(folder))
 }
 
 /// The study whose results the folder contains.

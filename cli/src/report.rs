@@ -11,13 +11,13 @@ use sagnac::store::CARD;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::tally::Share;
-use sagnac::use_cases::{Sampled, study_outcome};
+use sagnac::use_cases::{Sampled, absolute, once, study_outcome};
 use sagnac::view::picture::incomplete;
 use sagnac_base::text_file::read_bytes;
 
 use crate::chart::{Redraw, redraw};
 use crate::failure::{Failure, in_options};
-use crate::folders::{self, left_out, whole};
+use crate::folders::{self, left_out};
 use crate::output::unwritten;
 use crate::progress::{self, Shown};
 use crate::results::held;
@@ -108,10 +108,10 @@ fn write_gallery(
     options: &Options,
 ) -> Result<(), Failure> {
     let path = options.out.clone().unwrap_or_else(|| beside(&options.folders).join(GALLERY));
-    let here = path.parent().map_or_else(PathBuf::new, whole);
+    let here = path.parent().map_or_else(PathBuf::new, absolute);
     let cards: Vec<Card> = reports
         .into_iter()
-        .map(|(report, card)| Card { report: link(&here, &whole(&report)), ..card })
+        .map(|(report, card)| Card { report: link(&here, &absolute(&report)), ..card })
         .collect();
     let all_studies = folders.iter().all(|folder| folders::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
@@ -206,7 +206,7 @@ fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
         results.extend(found);
     }
-    let mut is_new = folders::once(&[]);
+    let mut is_new = once(&[]);
     results.retain(|folder| is_new(folder));
     Ok(results)
 }

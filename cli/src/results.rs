@@ -8,35 +8,17 @@ use crate::outcome::{LINES_OF_FACTS, save_page, save_text, show, show_facts, sho
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
 use sagnac::report::chart::notes::ChartError;
-use sagnac::run::{Plan, RESOLVED, Tables};
+use sagnac::run::{Plan, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::use_cases::{Sampled, study_outcome};
-use sagnac::view::picture::{file_names, refused, shown as curves, written};
+use sagnac::view::picture::{refused, shown as curves, written};
 use sagnac::view::stack::Shown as Curves;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::chart::{Chart, Source};
-
-/// Whether a run of a study may write the files that it always writes into its folder.
-///
-/// # Errors
-/// The folder has a file of somebody else in the place of one of them.
-pub fn check_places(study: &Study, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
-    let resolved = study.resolved(study.trials);
-    let inputs = study.inputs();
-    let kept = inputs.iter().map(|input| (input.name.as_str(), input.text.as_bytes()));
-    let kept = kept.chain([(RESOLVED, resolved.as_bytes())]);
-    let names = file_names(study);
-    let written = names.iter().filter(|name| *name != RESOLVED).map(|name| (name.as_str(), None));
-    let is_kept = |name: &str| inputs.iter().any(|input| input.name == name);
-    let written = written.filter(|(name, _)| !is_kept(name));
-    let tables = plan.blank_tables();
-    let tables = tables.all().map(|(source, _)| (source.file(), None));
-    Ok(folder.check(kept.map(|(name, text)| (name, Some(text))).chain(written).chain(tables))?)
-}
 
 /// The store of existing results; an empty one for closed forms.
 ///

@@ -2,6 +2,8 @@
 
 mod convert;
 mod logs;
+#[cfg(feature = "store")]
+mod merge;
 mod simulate;
 mod studies;
 
@@ -17,6 +19,8 @@ pub use logs::{
     AllanRequest, BatchRequest, CompareRequest, LogError, ModelSource, Segments, allan, compare_logs,
     compare_units, model_noise,
 };
+#[cfg(feature = "store")]
+pub use merge::{MergeError, MergeOutcome, MergeRequest, absolute, check_places, merge, once};
 pub use simulate::{Form, Numbers, SimulateError, Simulation};
 pub use studies::{Sampled, StudyOutcome, study_outcome};
 

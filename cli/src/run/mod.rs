@@ -12,7 +12,7 @@ use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::Share;
-use sagnac::use_cases::Sampled;
+use sagnac::use_cases::{Sampled, check_places};
 use sagnac::view::picture::pictures;
 use sagnac_base::quantity::number::{short, significant};
 use sagnac_base::quantity::{Dimension, parse as parse_quantity};
@@ -22,7 +22,7 @@ use crate::output::{print, print_documents};
 use crate::program::{DeviceArg, Sampling};
 use crate::progress::{How, Planning, Shown};
 use crate::reading;
-use crate::results::{Ran, check_places};
+use crate::results::Ran;
 pub use crate::run::control::Cause;
 use crate::run::control::{Shard, Stop};
 
@@ -219,7 +219,7 @@ fn run_study(
     options: &Options,
 ) -> Result<Option<String>, Failure> {
     let results = Folder::open(folder)?;
-    check_places(study, plan, &results)?;
+    check_places(plan, &results)?;
     // Closed forms too have a store, which binds the folder to one study.
     let mut store = Store::open_in(&results, &plan.identity())?;
     // Kept from the start, as the run may be killed.
