@@ -42,8 +42,10 @@ use sagnac_theory::allan::{Process, Term};
 const LONG: usize = 1_000_000_000;
 
 /// Endings of the names of recorded logs, in lower case.
-pub const ENDINGS: [&str; 15] =
-    ["csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw"];
+pub const ENDINGS: [&str; 16] = [
+    "csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw",
+    "ulg",
+];
 
 /// The request for an analysis.
 #[derive(Debug, Clone)]

@@ -132,9 +132,32 @@ def write_bag(name, is_packed):
             bag.write(connection, stamp, store.serialize_ros1(message, "sensor_msgs/msg/Imu"))
 
 
+def write_ulog():
+    """Two gyros of PX4 with samples in single precision, and a dropout where rows are missing."""
+
+    def message(kind, body):
+        return struct.pack("<HB", len(body), ord(kind)) + body
+
+    fields = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;"
+    parts = [b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 9_000_000), message("B", bytes(40))]
+    parts.append(message("I", bytes([14]) + b"char[3] sysPX4"))
+    parts += [message("F", f"{topic}:{fields}".encode()) for topic in ("sensor_gyro", "sensor_accel")]
+    topics = [(0, "sensor_gyro", rates), (1, "sensor_gyro", 2 * rates), (0, "sensor_accel", forces)]
+    for number, (instance, topic, _) in enumerate(topics):
+        parts.append(message("A", struct.pack("<BH", instance, number) + topic.encode()))
+    for at, time in enumerate(10_000_000 + STEP_NS * row // 1000):
+        if at == 15:
+            parts.append(message("O", struct.pack("<H", 35)))
+        for number, (_, _, values) in enumerate(topics):
+            data = struct.pack("<HQQI3f", number, time + 500, time, 7, *values[at])
+            parts.append(message("D", data))
+    (FOLDER / "imu.ulg").write_bytes(b"".join(parts))
+
+
 write_text()
 write_arrays()
 write_hdf5()
 write_mcap("imu.mcap")
 write_bag("imu.bag", False)
 write_bag("imu_packed.bag", True)
+write_ulog()

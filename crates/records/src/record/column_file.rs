@@ -26,7 +26,7 @@ const MIN_RISES: usize = 4;
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
 
 /// First bytes of unsupported files that users often give, with their descriptions and what to do.
-const OTHERS: [(&[u8], &str, &str); 13] = [
+const OTHERS: [(&[u8], &str, &str); 12] = [
     (b"CDF", "netCDF of an old version", "convert it with `nccopy -k nc4 OLD.nc NEW.nc`"),
     (b"\x1f\x8b", "compressed by gzip", TEXT_WANTED),
     (b"PAR1", "Parquet", "convert it with `pandas.read_parquet(\"LOG\").to_csv(\"LOG.csv\")` in Python"),
@@ -36,7 +36,6 @@ const OTHERS: [(&[u8], &str, &str); 13] = [
         "convert it with `pandas.read_feather(\"LOG\").to_csv(\"LOG.csv\")` in Python",
     ),
     (b"SQLite format 3", "a database, as of a ROS 2 bag", "convert a bag to MCAP with `ros2 bag convert`"),
-    (b"ULog", "a log of PX4 (ULog)", "convert it with `ulog2csv LOG.ulg` of pyulog"),
     (
         b"\xa3\x95\x80\x80",
         "a log of ArduPilot (DataFlash)",
@@ -133,6 +132,11 @@ impl<'a> ColumnFile<'a> {
 
     pub(crate) fn columns(&self) -> usize {
         self.columns.count()
+    }
+
+    /// The groups of columns, each of one sensor, with the numbers of their rows, if it has such.
+    pub(crate) fn groups(&self) -> Vec<(&str, usize)> {
+        self.columns.groups()
     }
 
     /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.

@@ -1,11 +1,13 @@
 //! The formats of recorded data, each in a file of this folder.
 
+mod groups;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod mat;
 mod numpy;
 #[cfg(feature = "ros")]
 mod ros;
+mod ulog;
 
 use std::io::{self, Chain, Cursor, Read, Seek};
 use std::path::Path;
@@ -43,6 +45,7 @@ pub(crate) static FORMATS: &[Format] = &[
     mat::FORMAT,
     Format { begins: |head| head.starts_with(b"\x89MCAP0\r\n"), open: open_mcap },
     Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: open_bag },
+    ulog::FORMAT,
 ];
 
 /// Whether the signature is at the start, or after a block of the user's of 512, 1024, … bytes.
@@ -84,6 +87,11 @@ pub(crate) trait Columns {
 
     /// The numbers of the `wanted` columns in the given order, with NaN for missing ones.
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError>;
+
+    /// The groups of columns, each of one sensor, with the numbers of their rows, if it has such.
+    fn groups(&self) -> Vec<(&str, usize)> {
+        vec![]
+    }
 
     /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
     fn sample(&self, _column: usize) -> Option<f64> {
@@ -245,8 +253,36 @@ impl<'a> Source<'a> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use crate::record::log::read::{Request, Timing};
+    use crate::record::log::{Channel, Log};
+
+    /// Reads one column of a file, or all if the name is empty.
+    fn read(bytes: &[u8], column: &str) -> Result<Log, RecordError> {
+        let columns = if column.is_empty() { vec![] } else { vec![column.to_owned()] };
+        Log::read_bytes("log", bytes, &Request { columns, ..Request::default() })
+    }
+
+    /// A column of a file that can be read.
+    pub(crate) fn channel(bytes: &[u8], column: &str) -> Channel {
+        let log = read(bytes, column).unwrap_or_else(|error| panic!("{}", error.render(false, 120)));
+        log.channels[0].clone()
+    }
+
+    /// Whether the reader of a file says this, where all rows are one series.
+    pub(crate) fn note(bytes: &[u8], piece: &str) -> bool {
+        let request = Request { timing: Timing::Step(0.01), ..Request::default() };
+        let log = Log::read_bytes("log", bytes, &request);
+        let log = log.unwrap_or_else(|error| panic!("{}", error.render(false, 120)));
+        log.notes.iter().any(|note| note.contains(piece))
+    }
+
+    /// The error for a column of a file, with its advice.
+    pub(crate) fn refusal(bytes: &[u8], column: &str) -> String {
+        let said = read(bytes, column).unwrap_err().render(false, 400);
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
 
     #[test]
     fn every_format_has_a_file_among_the_test_data() {

@@ -4,7 +4,7 @@ use crate::record::RecordError;
 use crate::record::column_file::{ColumnFile, MAX_LISTED};
 use crate::record::log::Degree;
 use crate::record::log::measure::{Data, expected};
-use crate::record::log::read::Request;
+use crate::record::log::read::{Request, Timing};
 use crate::record::log::timing::{asked, is_timing, parts_of_times};
 use crate::record::names::{Name, words};
 
@@ -254,6 +254,28 @@ const SPANS: [&[&str]; 5] = [&["dt"], &["delta", "t"], &["d", "t"], INTERVALS[0]
 
 /// The endings in [`SPANS`] that count only after other words: a name of one of them alone is no such column.
 const INTERVALS: [&[&str]; 2] = [&["interval"], &["intervals"]];
+
+/// The error for a file with groups of samples, of which none is selected and which no times or no lengths join.
+pub(crate) fn several_groups(file: &ColumnFile, request: &Request) -> Option<RecordError> {
+    let groups = file.groups();
+    let is_open = matches!(request.timing, Timing::Stamps { step_s: None, column: None, .. });
+    let are_even = groups.windows(2).all(|pair| pair[0].1 == pair[1].1);
+    if groups.len() < 2 || !request.columns.is_empty() || are_even && !is_open {
+        return None;
+    }
+    let (largest, _) = groups.iter().max_by_key(|(_, rows)| *rows)?;
+    let is_of = |name: &&Name| {
+        let rest = name.bare.strip_prefix(largest).and_then(|rest| rest.strip_prefix('.'));
+        rest.is_some_and(|rest| rest != "time")
+    };
+    let names: Vec<&str> = file.names().iter().filter(is_of).map(|name| name.bare.as_str()).take(3).collect();
+    let listed: Vec<String> =
+        groups.iter().take(MAX_LISTED).map(|(name, rows)| format!("{name} with {rows} samples")).collect();
+    let more = if groups.len() > MAX_LISTED { ", …" } else { "" };
+    let message = format!("{} has samples of {} sensors or topics: select one", file.file, groups.len());
+    let help = format!("as in `column = {}`: {}{more}", names.join(","), listed.join(", "));
+    Some(file.refuse(None, &message, "", &help))
+}
 
 /// The error for a file without a header of which at least two of times, columns and units are open, with the settings for all of
 /// them. The columns `taken` are those of the time, as far as it is found, and of a temperature.

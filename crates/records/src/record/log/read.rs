@@ -7,7 +7,7 @@ use crate::record::column_file::{ColumnFile, Rules};
 use crate::record::format::Origin;
 use crate::record::layout::Decimal;
 use crate::record::log::columns::{
-    data_of, expanded, few, is_temperature, likely, name_of, span_of, unnamed, wanted,
+    data_of, expanded, few, is_temperature, likely, name_of, several_groups, span_of, unnamed, wanted,
 };
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::timing::{Clock, found, is_time, spread};
@@ -195,6 +195,9 @@ impl Log {
         let is_time_open = matches!(&request.timing, Timing::Stamps { step_s: None, unit: None, .. });
         if let Some(rivals) = file.rivals().filter(|_| is_time_open || request.units.is_empty()) {
             return Err(file.refuse(None, &rivals.message, "this header", &rivals.help));
+        }
+        if let Some(question) = several_groups(&file, request) {
+            return Err(question);
         }
         let words = expanded(&file, &request.columns);
         let inferred = if request.data.is_none() { data_of(&file, &words) } else { None };

@@ -1,0 +1,157 @@
+//! Recordings of other programs: their numbers are those that other readers give, and damaged ones are refused or give a log, within a
+//! part of the memory and the time that a sound recording may take.
+//!
+//! The files are written by `tests/data/formats/make.py`; the expected numbers are those of pyulog, pymavlink and rosbags.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+use sagnac_records::allan::Trend;
+use sagnac_records::allan::deviation::Deviation;
+use sagnac_records::allan::sums::sums;
+use sagnac_records::record::log::Log;
+use sagnac_records::record::log::read::{Request, Timing};
+
+/// What another reader gives for a column of a file: the number of samples, the times of the first and the last in the file, s, mean and
+/// overlapping Allan deviation over 3 samples, all rows being one series, in rad/s.
+struct Recording {
+    file: &'static str,
+    column: &'static str,
+    samples: usize,
+    length_s: f64,
+    mean: f64,
+    deviation: f64,
+}
+
+const RECORDINGS: &[Recording] = &[Recording {
+    file: "imu.ulg",
+    column: "sensor_gyro_1.gx",
+    samples: 36,
+    length_s: 0.21,
+    mean: 0.020_073_625_084_478_408,
+    deviation: 0.003_480_838_801_408_158_6,
+}];
+
+/// Damages of each file, the most bytes that are held while one is read, and the longest time.
+const DAMAGES: usize = 500;
+const MAX_BYTES: usize = 32 << 20;
+const MAX_TIME: Duration = Duration::from_secs(5);
+
+/// The tests take turns, because memory is counted for the whole program.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn bytes_of(file: &str) -> Vec<u8> {
+    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/formats").join(file)).unwrap()
+}
+
+fn read(bytes: &[u8], columns: &[&str], timing: Timing) -> Result<Log, String> {
+    let columns = columns.iter().map(|&column| column.to_owned()).collect();
+    let request = Request { columns, timing, ..Request::default() };
+    Log::read_bytes("log", bytes, &request).map_err(|error| error.render(false, 100))
+}
+
+#[test]
+fn samples_are_those_of_other_readers() {
+    let _turn = TURN.lock();
+    for Recording { file, column, samples, length_s, mean, deviation } in RECORDINGS {
+        let bytes = bytes_of(file);
+        let series = read(&bytes, &[column], Timing::Step(0.005)).unwrap();
+        let channel = &series.channels[0];
+        let found = channel.samples.iter().sum::<f64>() / channel.samples.len() as f64;
+        assert_eq!(channel.samples.len(), *samples, "{file}");
+        assert!((found - mean).abs() < 1e-12 * mean.abs(), "{file}: a mean of {found}");
+        let angles = channel.view(series.data, series.step_s).angles(Trend::None);
+        let sum = sums(&angles, Deviation::Oadev, &[3])[0];
+        let unit = 3.0 * series.step_s * channel.unit.factor;
+        let found = (sum.squares / (2 * sum.terms) as f64).sqrt() / unit;
+        assert!((found - deviation).abs() < 1e-9 * deviation, "{file}: a deviation of {found}");
+        let log = read(&bytes, &[column], Timing::default()).unwrap();
+        let found = log.length_s() - log.step_s;
+        assert!((found - length_s).abs() < 1e-6, "{file}: {found} s from the first sample to the last");
+    }
+}
+
+/// Marsaglia's xorshift64.
+struct Draws(u64);
+
+impl Draws {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % end as u64) as usize
+    }
+}
+
+/// Alters bits, sets a range to one byte, cuts the file off, or repeats or removes a range.
+fn damaged(sound: &[u8], case: usize, draws: &mut Draws) -> Vec<u8> {
+    let mut bytes = sound.to_vec();
+    // Half of them where headers are.
+    let start = draws.below(if case.is_multiple_of(2) { 1024.min(sound.len()) } else { sound.len() });
+    let end = sound.len().min(start + 1 + draws.below(64));
+    match case % 5 {
+        0 => (0..1 + draws.below(8)).for_each(|_| bytes[draws.below(sound.len())] ^= 1 << draws.below(8)),
+        1 => bytes[start] ^= 1 << draws.below(8),
+        2 => bytes[start..end].fill([0, 0xff][draws.below(2)]),
+        3 => bytes.truncate(draws.below(sound.len())),
+        _ if draws.below(2) == 0 => drop(bytes.drain(start..end)),
+        _ => drop(bytes.splice(start..start, sound[start..end].to_vec())),
+    }
+    bytes
+}
+
+#[test]
+fn damaged_recordings_are_refused_or_read_within_limits() {
+    let _turn = TURN.lock();
+    for (seed, Recording { file, column, .. }) in (1..).zip(RECORDINGS) {
+        let sound = bytes_of(file);
+        let (mut draws, mut given) = (Draws(seed), 0);
+        for case in 0..DAMAGES {
+            let bytes = damaged(&sound, case, &mut draws);
+            let (started, before) = (Instant::now(), HELD.load(Relaxed));
+            PEAK.store(before, Relaxed);
+            for columns in [&[][..], &[*column]] {
+                match read(&bytes, columns, Timing::Step(0.005)) {
+                    Ok(log) => {
+                        given += 1;
+                        let samples = || log.channels.iter().flat_map(|channel| &channel.samples);
+                        assert!(!samples().any(|sample| sample.is_infinite()), "{file}, case {case}");
+                    }
+                    Err(said) => assert!(said.contains("help"), "{file}, case {case}: {said}"),
+                }
+            }
+            let (time, held) = (started.elapsed(), PEAK.load(Relaxed).saturating_sub(before));
+            assert!(time < MAX_TIME && held < MAX_BYTES, "{file}, case {case}: {time:?}, {held} bytes");
+        }
+        println!("{file}: {given} of {} readings of damaged files gave a log", 2 * DAMAGES);
+    }
+}
+
+/// Bytes held by the program, and at most since the last case began.
+static HELD: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+/// The system's allocator, which counts what is held.
+struct Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+// SAFETY: every call goes to the system's allocator as it is.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let held = HELD.fetch_add(layout.size(), Relaxed) + layout.size();
+        PEAK.fetch_max(held, Relaxed);
+        // SAFETY: the caller keeps the same contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, old: *mut u8, layout: Layout) {
+        HELD.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: the caller keeps the same contract.
+        unsafe { System.dealloc(old, layout) }
+    }
+}
