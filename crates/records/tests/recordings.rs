@@ -26,14 +26,24 @@ struct Recording {
     deviation: f64,
 }
 
-const RECORDINGS: &[Recording] = &[Recording {
-    file: "imu.ulg",
-    column: "sensor_gyro_1.gx",
-    samples: 36,
-    length_s: 0.21,
-    mean: 0.020_073_625_084_478_408,
-    deviation: 0.003_480_838_801_408_158_6,
-}];
+const RECORDINGS: &[Recording] = &[
+    Recording {
+        file: "imu.ulg",
+        column: "sensor_gyro_1.gx",
+        samples: 36,
+        length_s: 0.21,
+        mean: 0.020_073_625_084_478_408,
+        deviation: 0.003_480_838_801_408_158_6,
+    },
+    Recording {
+        file: "imu_log.bin",
+        column: "GYR_1.gx",
+        samples: 36,
+        length_s: 0.21,
+        mean: 0.020_073_625_084_478_408,
+        deviation: 0.003_480_838_801_408_158_6,
+    },
+];
 
 /// Damages of each file, the most bytes that are held while one is read, and the longest time.
 const DAMAGES: usize = 500;

@@ -154,6 +154,26 @@ def write_ulog():
     (FOLDER / "imu.ulg").write_bytes(b"".join(parts))
 
 
+def write_dataflash():
+    """Two gyros of ArduPilot as GYR, and the first with its accelerometer as IMU, at half the rate."""
+
+    def message(kind, body):
+        return bytes([0xA3, 0x95, kind]) + body
+
+    kinds = [
+        (128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns"),
+        (20, 32, b"GYR", b"QBQfff", b"TimeUS,I,SampleUS,GyrX,GyrY,GyrZ"),
+        (21, 36, b"IMU", b"QBffffff", b"TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ"),
+    ]
+    parts = [message(128, struct.pack("<BB4s16s64s", *kind)) for kind in kinds]
+    for at, time in enumerate(10_000_000 + STEP_NS * row // 1000):
+        for instance in (0, 1):
+            parts.append(message(20, struct.pack("<QBQ3f", time + 300, instance, time, *(1 + instance) * rates[at])))
+        if at % 2 == 0:
+            parts.append(message(21, struct.pack("<QB6f", time, 0, *rates[at], *forces[at])))
+    (FOLDER / "imu_log.bin").write_bytes(b"".join(parts))
+
+
 write_text()
 write_arrays()
 write_hdf5()
@@ -161,3 +181,4 @@ write_mcap("imu.mcap")
 write_bag("imu.bag", False)
 write_bag("imu_packed.bag", True)
 write_ulog()
+write_dataflash()

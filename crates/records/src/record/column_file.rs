@@ -26,7 +26,7 @@ const MIN_RISES: usize = 4;
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
 
 /// First bytes of unsupported files that users often give, with their descriptions and what to do.
-const OTHERS: [(&[u8], &str, &str); 12] = [
+const OTHERS: [(&[u8], &str, &str); 11] = [
     (b"CDF", "netCDF of an old version", "convert it with `nccopy -k nc4 OLD.nc NEW.nc`"),
     (b"\x1f\x8b", "compressed by gzip", TEXT_WANTED),
     (b"PAR1", "Parquet", "convert it with `pandas.read_parquet(\"LOG\").to_csv(\"LOG.csv\")` in Python"),
@@ -36,11 +36,6 @@ const OTHERS: [(&[u8], &str, &str); 12] = [
         "convert it with `pandas.read_feather(\"LOG\").to_csv(\"LOG.csv\")` in Python",
     ),
     (b"SQLite format 3", "a database, as of a ROS 2 bag", "convert a bag to MCAP with `ros2 bag convert`"),
-    (
-        b"\xa3\x95\x80\x80",
-        "a log of ArduPilot (DataFlash)",
-        "convert it with `mavlogdump.py --format csv --types IMU LOG.BIN` of pymavlink",
-    ),
     (b"\x89PNG", "a picture (PNG)", TEXT_WANTED),
     (b"\xff\xd8\xff", "a picture (JPEG)", TEXT_WANTED),
     (b"%PDF", "a document (PDF)", TEXT_WANTED),

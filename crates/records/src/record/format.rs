@@ -1,5 +1,6 @@
 //! The formats of recorded data, each in a file of this folder.
 
+mod dataflash;
 mod groups;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -46,6 +47,7 @@ pub(crate) static FORMATS: &[Format] = &[
     Format { begins: |head| head.starts_with(b"\x89MCAP0\r\n"), open: open_mcap },
     Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: open_bag },
     ulog::FORMAT,
+    dataflash::FORMAT,
 ];
 
 /// Whether the signature is at the start, or after a block of the user's of 512, 1024, … bytes.

@@ -104,6 +104,7 @@ struct Log {
     /// The group of each subscribed topic and the places of its numbers, none for other topics.
     topics: HashMap<u16, Option<(usize, Layout)>>,
     groups: Vec<Group>,
+    /// Names of topics without samples.
     others: Vec<String>,
     /// Number of dropouts, and their length, ms.
     dropouts: (usize, u64),

@@ -263,7 +263,7 @@ pub(crate) fn several_groups(file: &ColumnFile, request: &Request) -> Option<Rec
     if groups.len() < 2 || !request.columns.is_empty() || are_even && !is_open {
         return None;
     }
-    let (largest, _) = groups.iter().max_by_key(|(_, rows)| *rows)?;
+    let (largest, _) = groups.iter().rev().max_by_key(|(_, rows)| *rows)?;
     let is_of = |name: &&Name| {
         let rest = name.bare.strip_prefix(largest).and_then(|rest| rest.strip_prefix('.'));
         rest.is_some_and(|rest| rest != "time")
