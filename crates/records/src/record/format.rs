@@ -5,6 +5,7 @@ mod groups;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod mat;
+mod messages;
 mod numpy;
 #[cfg(feature = "ros")]
 mod ros;

@@ -13,6 +13,105 @@ pub(crate) type Sample = [f64; 7];
 const VECTORS: [[&str; 3]; 2] =
     [["gx [rad/s]", "gy [rad/s]", "gz [rad/s]"], ["ax [m/s^2]", "ay [m/s^2]", "az [m/s^2]"]];
 
+/// A kind of messages with samples of a gyro or an accelerometer.
+pub(crate) struct Topic {
+    pub name: &'static str,
+    /// Fields of the angular rate and of the acceleration.
+    pub vectors: [Option<Vector>; 2],
+}
+
+/// Three fields with a vector.
+pub(crate) struct Vector {
+    pub fields: [&'static str; 3],
+    pub rule: Rule,
+}
+
+/// What another field says of a vector.
+pub(crate) enum Rule {
+    Plain,
+    /// The vector is an increment over the time in this field, µs, by which it is divided.
+    Over(&'static str),
+    /// The vector was not measured if this field is −1.
+    Unless(&'static str),
+}
+
+impl Topic {
+    /// All fields with numbers of the vectors.
+    pub(crate) fn fields(&self) -> Vec<&'static str> {
+        let of_vector = |Vector { fields, rule }: &Vector| {
+            let other = match rule {
+                Rule::Plain => None,
+                Rule::Over(other) | Rule::Unless(other) => Some(*other),
+            };
+            fields.iter().copied().chain(other).collect::<Vec<_>>()
+        };
+        self.vectors.iter().flatten().flat_map(of_vector).collect()
+    }
+
+    /// The sample with these numbers of [`Topic::fields`]; there are as many.
+    pub(crate) fn sample(&self, time: f64, mut numbers: &[f64]) -> Sample {
+        let mut sample = [f64::NAN; 7];
+        sample[0] = time;
+        for (vector, at) in self.vectors.iter().zip([1, 4]) {
+            let Some(Vector { rule, .. }) = vector else { continue };
+            let (values, rest) = numbers.split_at(3);
+            let (divisor, used) = match rule {
+                Rule::Plain => (1.0, 0),
+                // What was summed over no time is no rate.
+                Rule::Over(_) => (if rest[0] > 0.0 { rest[0] * 1e-6 } else { f64::NAN }, 1),
+                Rule::Unless(_) => (if rest[0] == -1.0 { f64::NAN } else { 1.0 }, 1),
+            };
+            sample[at..at + 3].iter_mut().zip(values).for_each(|(slot, value)| *slot = value / divisor);
+            numbers = &rest[used..];
+        }
+        sample
+    }
+
+    /// Whether it has angular rates and accelerations.
+    pub(crate) fn has(&self) -> [bool; 2] {
+        self.vectors.each_ref().map(Option::is_some)
+    }
+}
+
+const XYZ: Vector = Vector { fields: ["x", "y", "z"], rule: Rule::Plain };
+const ARRAY: Vector = Vector { fields: ["xyz[0]", "xyz[1]", "xyz[2]"], rule: Rule::Plain };
+
+/// The topics of PX4. Of those with one name the first is used whose fields a log has.
+pub(crate) static PX4: [Topic; 8] = [
+    Topic { name: "sensor_gyro", vectors: [Some(XYZ), None] },
+    Topic { name: "sensor_accel", vectors: [None, Some(XYZ)] },
+    Topic {
+        name: "sensor_combined",
+        vectors: [
+            Some(Vector { fields: ["gyro_rad[0]", "gyro_rad[1]", "gyro_rad[2]"], rule: Rule::Plain }),
+            Some(Vector {
+                fields: ["accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"],
+                rule: Rule::Plain,
+            }),
+        ],
+    },
+    Topic { name: "vehicle_angular_velocity", vectors: [Some(ARRAY), None] },
+    Topic { name: "vehicle_angular_velocity", vectors: [Some(XYZ), None] },
+    Topic { name: "vehicle_acceleration", vectors: [None, Some(ARRAY)] },
+    Topic { name: "sensor_gyro_control", vectors: [Some(XYZ), None] },
+    Topic {
+        name: "vehicle_imu",
+        vectors: [
+            Some(Vector {
+                fields: ["delta_angle[0]", "delta_angle[1]", "delta_angle[2]"],
+                rule: Rule::Over("delta_angle_dt"),
+            }),
+            Some(Vector {
+                fields: ["delta_velocity[0]", "delta_velocity[1]", "delta_velocity[2]"],
+                rule: Rule::Over("delta_velocity_dt"),
+            }),
+        ],
+    },
+];
+
+/// Fields of these topics with the time of a sample, in µs; the first that there is.
+pub(crate) const PX4_TIMES: [&str; 2] = ["timestamp_sample", "timestamp"];
+
 /// The samples of one sensor.
 pub(crate) struct Group {
     pub name: String,

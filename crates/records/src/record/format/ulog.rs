@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::io::{self, BufReader, Read};
 
 use crate::record::binary::{NUMBERS, Number};
-use crate::record::format::groups::{Group, Groups, Sample, held};
+use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Sample, Topic, held};
 use crate::record::format::{Columns, Format, Source};
 use crate::record::{RecordError, malformed, told};
 
@@ -24,58 +24,6 @@ const MAX_FIELDS: usize = 4096;
 const MAX_MESSAGE: usize = u16::MAX as usize;
 
 pub(crate) const FORMAT: Format = Format { begins: |head| head.starts_with(MAGIC), open };
-
-/// A topic with samples of a gyro or an accelerometer.
-struct Topic {
-    name: &'static str,
-    /// Fields of the angular rate and of the acceleration.
-    vectors: [Option<Vector>; 2],
-}
-
-/// Three fields with a vector. Increments are divided by the time over which they were summed, in µs in a field of its own.
-struct Vector {
-    fields: [&'static str; 3],
-    over: Option<&'static str>,
-}
-
-const XYZ: Vector = Vector { fields: ["x", "y", "z"], over: None };
-const ARRAY: Vector = Vector { fields: ["xyz[0]", "xyz[1]", "xyz[2]"], over: None };
-
-/// Of those with one name the first is used whose fields the log has.
-const TOPICS: [Topic; 8] = [
-    Topic { name: "sensor_gyro", vectors: [Some(XYZ), None] },
-    Topic { name: "sensor_accel", vectors: [None, Some(XYZ)] },
-    Topic {
-        name: "sensor_combined",
-        vectors: [
-            Some(Vector { fields: ["gyro_rad[0]", "gyro_rad[1]", "gyro_rad[2]"], over: None }),
-            Some(Vector {
-                fields: ["accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"],
-                over: None,
-            }),
-        ],
-    },
-    Topic { name: "vehicle_angular_velocity", vectors: [Some(ARRAY), None] },
-    Topic { name: "vehicle_angular_velocity", vectors: [Some(XYZ), None] },
-    Topic { name: "vehicle_acceleration", vectors: [None, Some(ARRAY)] },
-    Topic { name: "sensor_gyro_control", vectors: [Some(XYZ), None] },
-    Topic {
-        name: "vehicle_imu",
-        vectors: [
-            Some(Vector {
-                fields: ["delta_angle[0]", "delta_angle[1]", "delta_angle[2]"],
-                over: Some("delta_angle_dt"),
-            }),
-            Some(Vector {
-                fields: ["delta_velocity[0]", "delta_velocity[1]", "delta_velocity[2]"],
-                over: Some("delta_velocity_dt"),
-            }),
-        ],
-    },
-];
-
-/// Fields with the time of a sample, in µs; the first that there is.
-const TIMES: [&str; 2] = ["timestamp_sample", "timestamp"];
 
 fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
@@ -114,11 +62,11 @@ struct Log {
     numbers: Vec<f64>,
 }
 
-/// The places of the wanted numbers of a message.
+/// The places of the wanted numbers of a message: the time and the fields of its topic.
 struct Layout {
+    topic: &'static Topic,
     time: Place,
-    /// Of each vector its numbers, and the time over which they were summed.
-    vectors: [Option<([Place; 3], Option<Place>)>; 2],
+    places: Vec<Place>,
 }
 
 /// The place of a number in a message, and its type.
@@ -205,15 +153,15 @@ impl Log {
             return damaged("a subscription");
         };
         let (id, name) = (u16::from_le_bytes([*low, *high]), String::from_utf8_lossy(name));
-        let mut found = None;
-        if TOPICS.iter().any(|topic| topic.name == name) {
+        let mut topics = PX4.iter().filter(|topic| topic.name == name).peekable();
+        let mut layout = None;
+        if topics.peek().is_some() {
             let Some(fields) = self.fields(&name)? else {
                 return malformed(&format!("{name} has no format"));
             };
-            let topics = TOPICS.iter().filter(|topic| topic.name == name);
-            found = topics.filter_map(|topic| Some((topic, Layout::new(topic, &fields)?))).next();
+            layout = topics.find_map(|topic| Layout::new(topic, &fields));
         }
-        let Some((topic, layout)) = found else {
+        let Some(layout) = layout else {
             self.others.push(name.into_owned());
             self.topics.insert(id, None);
             return Ok(());
@@ -222,8 +170,7 @@ impl Log {
         let name = format!("{name}_{instance}");
         let known = self.groups.iter().position(|group| group.name == name);
         let group = known.unwrap_or_else(|| {
-            let has = topic.vectors.each_ref().map(Option::is_some);
-            self.groups.push(Group { name, unit: "us", has, rows: vec![] });
+            self.groups.push(Group { name, unit: "us", has: layout.topic.has(), rows: vec![] });
             self.groups.len() - 1
         });
         self.topics.insert(id, Some((group, layout)));
@@ -327,45 +274,21 @@ fn number(kind: &str) -> Option<&'static Number> {
 
 impl Layout {
     /// The places of the numbers of a topic, if all its fields are there.
-    fn new(topic: &Topic, fields: &HashMap<String, Place>) -> Option<Layout> {
+    fn new(topic: &'static Topic, fields: &HashMap<String, Place>) -> Option<Layout> {
         let place = |name: &str| fields.get(name).copied();
-        let vector = |vector: &Option<Vector>| {
-            let Some(Vector { fields: [x, y, z], over }) = vector else { return Some(None) };
-            let over = match over {
-                Some(over) => Some(place(over)?),
-                None => None,
-            };
-            Some(Some(([place(x)?, place(y)?, place(z)?], over)))
-        };
-        let [rate, acceleration] = &topic.vectors;
-        Some(Layout {
-            time: TIMES.into_iter().find_map(place)?,
-            vectors: [vector(rate)?, vector(acceleration)?],
-        })
+        let places = topic.fields().into_iter().map(place).collect::<Option<_>>()?;
+        Some(Layout { topic, time: PX4_TIMES.into_iter().find_map(place)?, places })
     }
 
     /// The sample of a message, if that is long enough. `numbers` is used in between.
     fn sample(&self, data: &[u8], numbers: &mut Vec<f64>) -> Option<Sample> {
-        let mut number = |place: &Place| {
-            numbers.clear();
+        numbers.clear();
+        for place in [&self.time].into_iter().chain(&self.places) {
             let bytes = data.get(place.start..)?.get(..place.number.size)?;
             (place.number.decode)(bytes, numbers);
-            numbers.first().copied()
-        };
-        let mut sample = [f64::NAN; 7];
-        sample[0] = number(&self.time)?;
-        for (vector, values) in self.vectors.iter().zip([1..4, 4..7]) {
-            let Some((places, over)) = vector else { continue };
-            let over_s = match over {
-                Some(over) => number(over)? * 1e-6,
-                None => 1.0,
-            };
-            for (place, at) in places.iter().zip(values) {
-                // What was summed over no time is no rate.
-                sample[at] = if over_s > 0.0 { number(place)? / over_s } else { f64::NAN };
-            }
         }
-        Some(sample)
+        let (time, numbers) = numbers.split_first()?;
+        Some(self.topic.sample(*time, numbers))
     }
 }
 

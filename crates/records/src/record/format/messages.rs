@@ -1,0 +1,587 @@
+//! Messages of ROS 1 and ROS 2 with angular rates or accelerations, and the columns that they make.
+//!
+//! Messages are read by the definition of their type: that in the recording for those of PX4, which changes from version to version,
+//! and one from here for the others, which do not change.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io;
+
+use crate::record::binary::Number;
+use crate::record::format::Columns;
+use crate::record::format::check_unpacked;
+use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Rule, Sample, Topic, Vector, held};
+use crate::record::{RecordError, malformed};
+
+/// Deepest types within types, and most numbers of one.
+const DEEPEST: usize = 8;
+const MAX_STEPS: usize = 4096;
+
+/// Types with a header and a vector, or two.
+static STAMPED: [Topic; 5] = [
+    Topic {
+        name: "sensor_msgs/Imu",
+        vectors: [
+            Some(Vector {
+                fields: ["angular_velocity.x", "angular_velocity.y", "angular_velocity.z"],
+                rule: Rule::Unless("angular_velocity_covariance[0]"),
+            }),
+            Some(Vector {
+                fields: ["linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"],
+                rule: Rule::Unless("linear_acceleration_covariance[0]"),
+            }),
+        ],
+    },
+    Topic {
+        name: "geometry_msgs/TwistStamped",
+        vectors: [
+            Some(Vector {
+                fields: ["twist.angular.x", "twist.angular.y", "twist.angular.z"],
+                rule: Rule::Plain,
+            }),
+            None,
+        ],
+    },
+    Topic { name: "geometry_msgs/TwistWithCovarianceStamped", vectors: [Some(TWIST), None] },
+    Topic {
+        name: "geometry_msgs/Vector3Stamped",
+        vectors: [Some(Vector { fields: ["vector.x", "vector.y", "vector.z"], rule: Rule::Plain }), None],
+    },
+    Topic { name: "nav_msgs/Odometry", vectors: [Some(TWIST), None] },
+];
+
+const TWIST: Vector = Vector {
+    fields: ["twist.twist.angular.x", "twist.twist.angular.y", "twist.twist.angular.z"],
+    rule: Rule::Plain,
+};
+
+/// Fields with the time of a message, in s and the rest in ns.
+const STAMP: [&str; 2] = ["header.stamp.sec", "header.stamp.nanosec"];
+
+/// Definitions of these types and of those in them.
+const DEFINITIONS: [(&str, &str); 13] = [
+    ("std_msgs/Header", "time stamp\nstring frame_id"),
+    ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z"),
+    ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z"),
+    ("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w"),
+    ("geometry_msgs/Pose", "Point position\nQuaternion orientation"),
+    ("geometry_msgs/PoseWithCovariance", "Pose pose\nfloat64[36] covariance"),
+    ("geometry_msgs/Twist", "Vector3 linear\nVector3 angular"),
+    ("geometry_msgs/TwistWithCovariance", "Twist twist\nfloat64[36] covariance"),
+    (
+        "sensor_msgs/Imu",
+        "Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n\
+         geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n\
+         geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance",
+    ),
+    ("geometry_msgs/TwistStamped", "Header header\nTwist twist"),
+    ("geometry_msgs/TwistWithCovarianceStamped", "Header header\nTwistWithCovariance twist"),
+    ("geometry_msgs/Vector3Stamped", "Header header\nVector3 vector"),
+    (
+        "nav_msgs/Odometry",
+        "Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
+         geometry_msgs/TwistWithCovariance twist",
+    ),
+];
+
+/// The package of the messages of PX4.
+const PX4_PACKAGE: &str = "px4_msgs/";
+
+/// The serialization of messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    Ros1,
+    Cdr,
+}
+
+/// What a field of a message is.
+enum Step {
+    /// A number, which goes to this slot if it is wanted.
+    Number(&'static Number, Option<usize>),
+    Text,
+    /// A list of any length.
+    List(Vec<Step>),
+}
+
+/// A reader of messages of one type.
+pub(crate) struct Reader {
+    topic: &'static Topic,
+    encoding: Encoding,
+    /// Whether the time is that of a header and not that of PX4.
+    is_stamped: bool,
+    steps: Vec<Step>,
+    slots: usize,
+}
+
+/// Without the folder in which ROS 2 keeps messages.
+fn plain(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+impl Reader {
+    /// The reader of messages of a type, as far as it has samples. `definition` is that in the recording.
+    ///
+    /// # Errors
+    /// The definition is needed, and missing or not understood.
+    pub(crate) fn new(
+        kind: &str,
+        definition: Option<&str>,
+        encoding: Encoding,
+    ) -> io::Result<Option<Reader>> {
+        let kind = plain(kind);
+        if let Some(topic) = STAMPED.iter().find(|topic| topic.name == kind) {
+            let mut types: HashMap<String, &str> =
+                DEFINITIONS.iter().map(|(name, text)| ((*name).to_owned(), *text)).collect();
+            if encoding == Encoding::Ros1 {
+                types.insert("std_msgs/Header".to_owned(), "uint32 seq\ntime stamp\nstring frame_id");
+            }
+            return Reader::of_topic(topic, &kind, &STAMP, &types, encoding).map(Some);
+        }
+        let Some(name) = kind.strip_prefix(PX4_PACKAGE).map(snake) else { return Ok(None) };
+        if !PX4.iter().any(|topic| topic.name == name) {
+            return Ok(None);
+        }
+        let Some(text) = definition.filter(|text| !text.trim().is_empty()) else {
+            return malformed(&format!("the definition of {kind} is missing"));
+        };
+        let types = divided(&kind, text);
+        let mut refused = malformed(&format!("the definition of {kind} has no time and angular rate"));
+        for topic in PX4.iter().filter(|topic| topic.name == name) {
+            for time in PX4_TIMES {
+                match Reader::of_topic(topic, &kind, &[time], &types, encoding) {
+                    Ok(reader) => return Ok(Some(reader)),
+                    Err(error) => refused = Err(error),
+                }
+            }
+        }
+        refused
+    }
+
+    fn of_topic(
+        topic: &'static Topic,
+        kind: &str,
+        times: &[&str],
+        types: &HashMap<String, &str>,
+        encoding: Encoding,
+    ) -> io::Result<Reader> {
+        let wanted = [times, &topic.fields()].concat();
+        let mut walk = Walk { types, wanted: &wanted, found: vec![false; wanted.len()], left: MAX_STEPS };
+        let steps = walk.steps(kind, "", 0)?;
+        if let Some(at) = walk.found.iter().position(|found| !found) {
+            return malformed(&format!("the definition of {kind} has no `{}`", wanted[at]));
+        }
+        Ok(Reader { topic, encoding, is_stamped: times.len() == 2, steps, slots: wanted.len() })
+    }
+
+    /// The unit of the times.
+    fn unit(&self) -> &'static str {
+        if self.is_stamped { "ns" } else { "us" }
+    }
+
+    /// Reads a message: its time, the angular rate and the acceleration; a part is NaN where it was not measured.
+    fn sample(&self, message: &[u8]) -> Option<Sample> {
+        let (body, big_endian) = match self.encoding {
+            Encoding::Ros1 => (message, false),
+            // Plain CDR only, in either order.
+            Encoding::Cdr => match message.split_first_chunk()? {
+                ([0, 0, _, _], body) => (body, true),
+                ([0, 1, _, _], body) => (body, false),
+                _ => return None,
+            },
+        };
+        let mut cursor = Cursor {
+            bytes: body,
+            at: 0,
+            is_aligned: self.encoding == Encoding::Cdr,
+            big_endian,
+            number: vec![],
+        };
+        let mut slots = vec![f64::NAN; self.slots];
+        cursor.take(&self.steps, &mut slots)?;
+        // CDR may be padded to four bytes.
+        let padding = if self.encoding == Encoding::Cdr { 3 } else { 0 };
+        if body.len() - cursor.at > padding {
+            return None;
+        }
+        if !self.is_stamped {
+            return Some(self.topic.sample(slots[0], &slots[1..]));
+        }
+        // Rounded once, as the same number in a text would be.
+        let [seconds, rest] = [slots[0] as u64, slots[1] as u64];
+        (rest < 1_000_000_000)
+            .then(|| self.topic.sample((seconds * 1_000_000_000 + rest) as f64, &slots[2..]))
+    }
+}
+
+/// `SensorCombined` as `sensor_combined`.
+fn snake(name: &str) -> String {
+    let mut text = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_uppercase() && !text.is_empty() {
+            text.push('_');
+        }
+        text.push(letter.to_ascii_lowercase());
+    }
+    text
+}
+
+/// The types in a definition: that of `kind`, and behind each line of `=` another one with its name.
+fn divided<'t>(kind: &str, text: &'t str) -> HashMap<String, &'t str> {
+    let (mut types, mut name, mut start, mut at) = (HashMap::new(), kind.to_owned(), 0, 0);
+    for line in text.split_inclusive('\n') {
+        let content = line.trim();
+        if content.len() > 3 && content.bytes().all(|byte| byte == b'=') {
+            types.insert(std::mem::take(&mut name), &text[start..at]);
+            start = at + line.len();
+        } else if let Some(next) = content.strip_prefix("MSG:").filter(|_| name.is_empty()) {
+            name = plain(next.trim());
+            start = at + line.len();
+        }
+        at += line.len();
+    }
+    types.insert(name, &text[start..]);
+    types
+}
+
+/// The number that ROS calls so.
+fn number(kind: &str) -> Option<&'static Number> {
+    Number::called(match kind {
+        "bool" | "uint8" | "byte" | "char" => "u1",
+        "int8" => "i1",
+        "int16" => "i2",
+        "uint16" => "u2",
+        "int32" => "i4",
+        "uint32" => "u4",
+        "int64" => "i8",
+        "uint64" => "u8",
+        "float32" => "f4",
+        "float64" => "f8",
+        _ => return None,
+    })
+}
+
+/// The walk through a definition.
+struct Walk<'w> {
+    types: &'w HashMap<String, &'w str>,
+    /// Paths of the wanted numbers, and whether they were met.
+    wanted: &'w [&'w str],
+    found: Vec<bool>,
+    /// Fields that may follow.
+    left: usize,
+}
+
+impl Walk<'_> {
+    /// The fields of a type below a path.
+    fn steps(&mut self, kind: &str, path: &str, depth: usize) -> io::Result<Vec<Step>> {
+        let unknown =
+            |what: &str| malformed(&format!("the definition of {kind} has the unknown type `{what}`"));
+        let types = self.types;
+        let Some(text) = types.get(kind).filter(|_| depth <= DEEPEST) else { return unknown(kind) };
+        let mut steps = Vec::new();
+        for line in text.lines() {
+            let line = line.split('#').next().unwrap_or_default();
+            let mut words = line.split_whitespace();
+            let (Some(of), Some(name)) = (words.next(), words.next()) else { continue };
+            // Constants have values, fields of ROS 2 may have defaults.
+            if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
+                continue;
+            }
+            let (of, extent) = match of.strip_suffix(']').and_then(|of| of.split_once('[')) {
+                Some((of, extent)) => (of, Some(extent)),
+                None => (of, None),
+            };
+            match extent {
+                None => steps.extend(self.field(kind, of, &format!("{path}{name}"), depth)?),
+                Some(extent) if extent.is_empty() || extent.starts_with("<=") => {
+                    // Nothing in a list is wanted.
+                    let inner = self.field(kind, of, "", depth)?;
+                    steps.push(Step::List(inner));
+                }
+                Some(extent) => {
+                    let Ok(count) = extent.parse::<usize>() else { return unknown(line.trim()) };
+                    for at in 0..count {
+                        steps.extend(self.field(kind, of, &format!("{path}{name}[{at}]"), depth)?);
+                    }
+                }
+            }
+        }
+        Ok(steps)
+    }
+
+    /// One value of type `of` in a field of `kind`.
+    fn field(&mut self, kind: &str, of: &str, path: &str, depth: usize) -> io::Result<Vec<Step>> {
+        let Some(left) = self.left.checked_sub(1) else {
+            return malformed(&format!("the definition of {kind} has too many fields"));
+        };
+        self.left = left;
+        if let Some(number) = number(of) {
+            return Ok(vec![self.step(number, path)]);
+        }
+        match of.split("<=").next().unwrap_or_default() {
+            "string" => return Ok(vec![Step::Text]),
+            "time" | "duration" => {
+                let parts = ["sec", "nanosec"].map(|part| format!("{path}.{part}"));
+                let word = number("uint32");
+                return Ok(word
+                    .into_iter()
+                    .flat_map(|word| parts.each_ref().map(|part| self.step(word, part)))
+                    .collect());
+            }
+            _ => {}
+        }
+        let package = kind.split('/').next().unwrap_or_default();
+        let of = match of {
+            "Header" => "std_msgs/Header".to_owned(),
+            of if of.contains('/') => plain(of),
+            of => format!("{package}/{of}"),
+        };
+        let path = if path.is_empty() { String::new() } else { format!("{path}.") };
+        self.steps(&of, &path, depth + 1)
+    }
+
+    fn step(&mut self, number: &'static Number, path: &str) -> Step {
+        let slot = self.wanted.iter().position(|wanted| *wanted == path);
+        slot.into_iter().for_each(|slot| self.found[slot] = true);
+        Step::Number(number, slot)
+    }
+}
+
+/// The part of a message that has been read.
+struct Cursor<'m> {
+    bytes: &'m [u8],
+    at: usize,
+    /// Whether numbers stand at multiples of their size.
+    is_aligned: bool,
+    big_endian: bool,
+    number: Vec<f64>,
+}
+
+impl<'m> Cursor<'m> {
+    fn next(&mut self, size: usize, alignment: usize) -> Option<&'m [u8]> {
+        let start = if self.is_aligned { self.at.checked_next_multiple_of(alignment)? } else { self.at };
+        let bytes = self.bytes.get(start..start.checked_add(size)?)?;
+        self.at = start + size;
+        Some(bytes)
+    }
+
+    fn length(&mut self) -> Option<usize> {
+        let bytes = self.next(4, 4)?.first_chunk().copied()?;
+        let length = if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) };
+        usize::try_from(length).ok()
+    }
+
+    fn take(&mut self, steps: &[Step], slots: &mut [f64]) -> Option<()> {
+        for step in steps {
+            match step {
+                Step::Number(number, slot) => {
+                    let bytes = self.next(number.size, number.size)?;
+                    if let Some(slot) = slot {
+                        let mut raw = [0; 8];
+                        let raw = raw.get_mut(..number.size)?;
+                        raw.copy_from_slice(bytes);
+                        self.number.clear();
+                        number.append(raw, self.big_endian, &mut self.number);
+                        slots[*slot] = *self.number.first()?;
+                    }
+                }
+                Step::Text => {
+                    let length = self.length()?;
+                    self.next(length, 1)?;
+                }
+                Step::List(inner) => {
+                    let length = self.length()?;
+                    // Values without fields take no bytes.
+                    for _ in 0..if inner.is_empty() { 0 } else { length } {
+                        self.take(inner, slots)?;
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+/// The messages of each topic.
+#[derive(Default)]
+pub(crate) struct Messages {
+    /// Length of the file in bytes, if it is known.
+    stored: Option<u64>,
+    /// Bytes that were unpacked from it.
+    unpacked: u64,
+    topics: BTreeMap<String, Group>,
+    /// Other types of messages, for a refusal.
+    others: Vec<String>,
+}
+
+impl Messages {
+    /// Starts an empty collection for a file of `stored` bytes.
+    pub(crate) fn new(stored: Option<u64>) -> Messages {
+        Messages { stored, ..Messages::default() }
+    }
+
+    /// Counts bytes that were unpacked.
+    ///
+    /// # Errors
+    /// There are more than a recording of that length has.
+    pub(crate) fn unpack(&mut self, bytes: usize) -> io::Result<()> {
+        self.unpacked += bytes as u64;
+        check_unpacked(self.unpacked, self.stored)
+    }
+
+    /// The reader of messages of a type in an encoding, as recordings name it, if they have samples.
+    pub(crate) fn reader(&mut self, kind: &str, definition: Option<&str>, encoding: &str) -> Option<Reader> {
+        let known = match encoding {
+            "cdr" => Encoding::Cdr,
+            "ros1" => Encoding::Ros1,
+            _ => {
+                self.others.push(format!("{kind} as {encoding}"));
+                return None;
+            }
+        };
+        let reader = Reader::new(kind, definition, known);
+        self.others.extend(match &reader {
+            Ok(Some(_)) => None,
+            Ok(None) => Some(kind.to_owned()),
+            Err(error) => Some(error.to_string()),
+        });
+        reader.ok().flatten()
+    }
+
+    /// Takes a message of a topic.
+    ///
+    /// # Errors
+    /// It is no message of the type of the reader, or those before were of another type.
+    pub(crate) fn take(&mut self, topic: &str, message: &[u8], reader: &Reader) -> io::Result<()> {
+        let Some(sample) = reader.sample(message) else {
+            return malformed(&format!("a message of {topic} is no {}", reader.topic.name));
+        };
+        let (unit, has) = (reader.unit(), reader.topic.has());
+        match self.topics.get_mut(topic) {
+            Some(group) if group.unit == unit && group.has == has => group.rows.push(sample),
+            Some(_) => return malformed(&format!("{topic} has messages of several types")),
+            None => {
+                let group = Group { name: topic.to_owned(), unit, has, rows: vec![sample] };
+                self.topics.insert(topic.to_owned(), group);
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of all topics with messages; `file` is the name in messages.
+    ///
+    /// # Errors
+    /// There are no such messages.
+    pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
+        let groups = self.topics.into_values().collect();
+        Groups::open(file, groups, vec![], || {
+            let message = format!("{file} has no messages of type sensor_msgs/Imu");
+            let help = format!("it holds {}: give a record with an IMU", held(self.others));
+            RecordError::new(message, "", help, None)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of an Imu after its header: orientation, angular rate and acceleration, each with a covariance of nine.
+    const NUMBERS: usize = 4 + 9 + 3 + 9 + 3 + 9;
+
+    fn imu(message: &[u8], encoding: Encoding) -> Option<Sample> {
+        Reader::new("sensor_msgs/msg/Imu", None, encoding).unwrap().unwrap().sample(message)
+    }
+
+    /// A message with the numbers 0, 1, 2 and so on, of which some are replaced.
+    fn message(encoding: Encoding, replaced: &[(usize, f64)]) -> Vec<u8> {
+        let mut bytes = if encoding == Encoding::Cdr { vec![0, 1, 0, 0] } else { vec![9; 4] };
+        let words = [3_u32, 500, 4];
+        bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+        bytes.extend(b"imu\0");
+        let number = |at: usize| {
+            replaced.iter().find(|(place, _)| *place == at).map_or(at as f64, |(_, other)| *other)
+        };
+        bytes.extend((0..NUMBERS).flat_map(|at| number(at).to_le_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn rates_and_accelerations_are_read_and_what_was_not_measured_is_missing() {
+        for encoding in [Encoding::Ros1, Encoding::Cdr] {
+            let read = imu(&message(encoding, &[]), encoding).unwrap();
+            assert_eq!(read, [3_000_000_500.0, 13.0, 14.0, 15.0, 25.0, 26.0, 27.0]);
+            let read = imu(&message(encoding, &[(16, -1.0)]), encoding).unwrap();
+            assert!(read[1..4].iter().all(|rate| rate.is_nan()) && read[4] == 25.0, "{read:?}");
+        }
+    }
+
+    #[test]
+    fn other_messages_are_none() {
+        let ros1 = message(Encoding::Ros1, &[]);
+        assert_eq!(imu(&[&ros1[..], &[0]].concat(), Encoding::Ros1), None);
+        let whole = message(Encoding::Cdr, &[]);
+        for length in 0..whole.len() {
+            assert_eq!(imu(&whole[..length], Encoding::Cdr), None, "{length} bytes");
+        }
+        let with = |at: usize, byte: u8| {
+            let mut bytes = whole.clone();
+            bytes[at] = byte;
+            imu(&bytes, Encoding::Cdr)
+        };
+        // Another serialization, 4.3e9 ns, and a name of 4 GB.
+        assert_eq!([with(1, 2), with(11, 255), with(15, 255)], [None; 3]);
+        assert_eq!(imu(&[&whole[..], &[0; 4]].concat(), Encoding::Cdr), None);
+    }
+
+    #[test]
+    fn messages_with_the_highest_byte_first_and_with_odd_names_are_read() {
+        let numbers = |count: usize| (0..count).flat_map(|at| (at as f64).to_be_bytes());
+        let head = |text: &[u8]| {
+            let words = [7_u32, 1, text.len() as u32].map(u32::to_be_bytes).concat();
+            [&[0, 0, 0, 0], &words[..], text].concat()
+        };
+        let twist = [head(b"imu_1\0"), vec![0; 6], numbers(6).collect()].concat();
+        let read =
+            |kind, message: &[u8]| Reader::new(kind, None, Encoding::Cdr).unwrap().unwrap().sample(message);
+        let sample = read("geometry_msgs/msg/TwistStamped", &twist).unwrap();
+        assert_eq!(sample[..4], [7_000_000_001.0, 3.0, 4.0, 5.0]);
+        let vector = [head(b"\0"), vec![0; 3], numbers(3).collect()].concat();
+        assert_eq!(read("geometry_msgs/Vector3Stamped", &vector).unwrap()[1..4], [0.0, 1.0, 2.0]);
+        let child = [&5_u32.to_be_bytes()[..], b"base\0"].concat();
+        let odometry =
+            [head(b"o\0"), vec![0; 2], child, vec![0; 7], numbers(7 + 36 + 6 + 36).collect()].concat();
+        assert_eq!(read("nav_msgs/msg/Odometry", &odometry).unwrap()[1..4], [46.0, 47.0, 48.0]);
+    }
+
+    #[test]
+    fn messages_of_px4_follow_the_definition_in_the_recording() {
+        let text = "# header\nuint64 timestamp # us\nuint8 MAX = 3\nuint8 LIST=4\nstring<=5 name\nInner[2] inner\nuint16[] list\n\
+                    float32[3] gyro_rad\nfloat32[3] accelerometer_m_s2\nint8 rest 7\n====\nMSG: px4_msgs/msg/Inner\nuint8 a\nint32 b\n";
+        let read = |text| Reader::new("px4_msgs/msg/SensorCombined", Some(text), Encoding::Cdr);
+        let reader = read(text).unwrap().unwrap();
+        let floats: Vec<u8> = (1..7_u8).flat_map(|x| f32::from(x).to_le_bytes()).collect();
+        let bytes = [
+            &[0, 1, 0, 0][..],
+            &123_u64.to_le_bytes(),
+            &[3, 0, 0, 0, b'i', b'd', 0],
+            &[1, 9, 0, 0, 0],
+            &[1, 0, 0, 0, 9, 0, 0, 0],
+            &[3, 0, 0, 0, 1, 0, 2, 0, 3, 0, 0, 0],
+            &floats,
+            &[7],
+        ]
+        .concat();
+        assert_eq!(reader.sample(&bytes), Some([123.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        for (text, piece) in [
+            ("", "is missing"),
+            ("uint64 time\nfloat32[3] gyro_rad", "has no `timestamp`"),
+            ("uint64 timestamp\nfloat32 x", "has no `gyro_rad[0]`"),
+            ("uint64 timestamp\nOther x", "unknown type `px4_msgs/Other`"),
+            ("uint64 timestamp\nSensorCombined x", "unknown type"),
+            ("uint64[9999] timestamp", "too many fields"),
+        ] {
+            let said = read(text).err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(said.contains(piece), "{piece} is missing in {said:?}");
+        }
+        assert!(Reader::new("px4_msgs/msg/BatteryStatus", None, Encoding::Cdr).unwrap().is_none());
+    }
+}
