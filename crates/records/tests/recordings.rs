@@ -43,6 +43,14 @@ const RECORDINGS: &[Recording] = &[
         mean: 0.020_073_625_084_478_408,
         deviation: 0.003_480_838_801_408_158_6,
     },
+    Recording {
+        file: "imu.db3",
+        column: "/twist.gx",
+        samples: 36,
+        length_s: 0.21,
+        mean: 0.020_073_625_035_468_372,
+        deviation: 0.003_480_838_854_877_405_4,
+    },
 ];
 
 /// Damages of each file, the most bytes that are held while one is read, and the longest time.

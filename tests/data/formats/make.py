@@ -4,6 +4,7 @@
     env/bin/python tests/data/formats/make.py
 """
 
+import sqlite3
 import struct
 from pathlib import Path
 
@@ -174,6 +175,42 @@ def write_dataflash():
     (FOLDER / "imu_log.bin").write_bytes(b"".join(parts))
 
 
+def write_db3():
+    """A bag of ROS 2 in SQLite with pages of 512 bytes, so that there are several levels, and messages on pages of their own."""
+    store = get_typestore(Stores.ROS2_IRON)
+    types = store.types
+    vector, covariance = types["geometry_msgs/msg/Vector3"], np.zeros(9)
+    path = FOLDER / "imu.db3"
+    path.unlink(missing_ok=True)
+    bag = sqlite3.connect(path)
+    bag.execute("PRAGMA page_size = 512")
+    bag.executescript("""
+        CREATE TABLE schema(schema_version INTEGER PRIMARY KEY,ros_distro TEXT NOT NULL);
+        CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,
+            serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL);
+        CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL);
+        CREATE INDEX timestamp_idx ON messages (timestamp ASC);
+    """)
+    topics = [("/imu/data", "sensor_msgs/msg/Imu"), ("/chatter", "std_msgs/msg/String"), ("/twist", "geometry_msgs/msg/TwistStamped")]
+    bag.executemany("INSERT INTO topics(name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, 'cdr', '')", topics)
+    for stamp, rate, force in zip(stamps.tolist(), rates, forces):
+        time = types["builtin_interfaces/msg/Time"](stamp // 10**9, stamp % 10**9)
+        header = types["std_msgs/msg/Header"](time, "imu")
+        quaternion = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
+        parts = (quaternion, covariance, vector(*rate), covariance, vector(*force), covariance)
+        twist = types["geometry_msgs/msg/Twist"](vector(*force), vector(*(2 * rate)))
+        messages = [
+            types["sensor_msgs/msg/Imu"](header, *parts),
+            types["std_msgs/msg/String"]("x" * 100),
+            types["geometry_msgs/msg/TwistStamped"](header, twist),
+        ]
+        for number, (message, (_, kind)) in enumerate(zip(messages, topics), 1):
+            data = bytes(store.serialize_cdr(message, kind))
+            bag.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)", (number, stamp, data))
+    bag.commit()
+    bag.close()
+
+
 write_text()
 write_arrays()
 write_hdf5()
@@ -182,3 +219,4 @@ write_bag("imu.bag", False)
 write_bag("imu_packed.bag", True)
 write_ulog()
 write_dataflash()
+write_db3()

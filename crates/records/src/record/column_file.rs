@@ -26,16 +26,17 @@ const MIN_RISES: usize = 4;
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
 
 /// First bytes of unsupported files that users often give, with their descriptions and what to do.
-const OTHERS: [(&[u8], &str, &str); 11] = [
+const OTHERS: [(&[u8], &str, &str); 12] = [
     (b"CDF", "netCDF of an old version", "convert it with `nccopy -k nc4 OLD.nc NEW.nc`"),
-    (b"\x1f\x8b", "compressed by gzip", TEXT_WANTED),
+    (b"\x28\xb5\x2f\xfd", "compressed by zstd", "unpack it with `zstd -d`"),
+    (b"BZh", "compressed by bzip2", "unpack it with `bzip2 -d`"),
+    (b"\xfd7zXZ\0", "compressed by xz", "unpack it with `xz -d`"),
     (b"PAR1", "Parquet", "convert it with `pandas.read_parquet(\"LOG\").to_csv(\"LOG.csv\")` in Python"),
     (
         b"ARROW1",
         "Arrow (Feather)",
         "convert it with `pandas.read_feather(\"LOG\").to_csv(\"LOG.csv\")` in Python",
     ),
-    (b"SQLite format 3", "a database, as of a ROS 2 bag", "convert a bag to MCAP with `ros2 bag convert`"),
     (b"\x89PNG", "a picture (PNG)", TEXT_WANTED),
     (b"\xff\xd8\xff", "a picture (JPEG)", TEXT_WANTED),
     (b"%PDF", "a document (PDF)", TEXT_WANTED),
@@ -50,7 +51,7 @@ const MAX_CONTROLS: usize = 32;
 
 /// Advice on binary files of no known format.
 const BINARY_WANTED: &str = "describe its rows as in `binary = \"f64 x7, little, time 1, rate 3\"`; known formats are text, .npy, \
-                             .npz, MATLAB .mat, HDF5, MCAP and ROS bags";
+                             .npz, MATLAB .mat, HDF5, MCAP, ROS bags, ULog and DataFlash";
 
 /// What a caller accepts of a file.
 #[derive(Clone, Copy)]

@@ -1,29 +1,34 @@
 //! The formats of recorded data, each in a file of this folder.
 
 mod dataflash;
+mod db3;
 mod groups;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod mat;
 mod messages;
 mod numpy;
+mod packed;
 #[cfg(feature = "ros")]
 mod ros;
+mod sqlite;
 mod ulog;
 
 use std::io::{self, Chain, Cursor, Read, Seek};
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::record::column_file::Rules;
 #[cfg(feature = "hdf5")]
 use crate::record::format::hdf5::open as open_hdf5;
+use crate::record::format::packed::Packing;
 #[cfg(feature = "ros")]
 use crate::record::format::ros::{open_bag, open_mcap};
 use crate::record::log::measure::Data;
 use crate::record::loggers::Rivals;
 use crate::record::names::Name;
 use crate::record::time::Calendar;
-use crate::record::{RecordError, malformed};
+use crate::record::{RecordError, malformed, told};
 use sagnac_base::diagnostics::Place;
 use sagnac_base::text_file::open;
 
@@ -49,6 +54,7 @@ pub(crate) static FORMATS: &[Format] = &[
     Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: open_bag },
     ulog::FORMAT,
     dataflash::FORMAT,
+    db3::FORMAT,
 ];
 
 /// Whether the signature is at the start, or after a block of the user's of 512, 1024, … bytes.
@@ -148,23 +154,26 @@ pub(crate) trait Columns {
 }
 
 /// The source of the bytes of a file.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Origin<'a> {
     Path(&'a Path),
     /// The bytes of a file that was read before.
     Bytes(&'a [u8]),
+    /// The bytes in a compressed file.
+    Unpacked(Arc<[u8]>),
 }
 
 impl<'a> Origin<'a> {
     /// The bytes from the first on, with their number, which is unknown for a pipe.
-    pub(crate) fn open(self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
+    pub(crate) fn open(&self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
         match self {
             Origin::Path(path) => {
                 let file = open(path)?;
                 let about = file.metadata()?;
                 Ok((Box::new(file), about.is_file().then_some(about.len())))
             }
-            Origin::Bytes(bytes) => Ok((Box::new(bytes), Some(bytes.len() as u64))),
+            Origin::Bytes(bytes) => Ok((Box::new(*bytes), Some(bytes.len() as u64))),
+            Origin::Unpacked(bytes) => Ok((Box::new(Cursor::new(bytes.clone())), Some(bytes.len() as u64))),
         }
     }
 }
@@ -207,7 +216,23 @@ pub(crate) struct Source<'a> {
 pub(crate) type Bytes<'a> = Chain<Cursor<Vec<u8>>, Box<dyn Read + 'a>>;
 
 impl<'a> Source<'a> {
+    /// Opens a file; one that is compressed as a whole is unpacked into memory.
+    ///
+    /// # Errors
+    /// The file cannot be read or unpacked.
     pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Source<'a>, RecordError> {
+        let source = Source::packed(file, origin)?;
+        let Some(packing) = Packing::new(&source.head) else { return Ok(source) };
+        let (file, stored) = (source.file.clone(), source.length);
+        let bytes = packing.unpack(Box::new(source.from(0)), stored).map_err(|error| {
+            let message = format!("{file} cannot be unpacked from {}: {}", packing.name, told(&error));
+            RecordError::new(message, "", "copy it again from where it was recorded", None)
+        })?;
+        Source::packed(file, Origin::Unpacked(bytes.into()))
+    }
+
+    /// Opens a file as it is stored.
+    fn packed(file: String, origin: Origin<'a>) -> Result<Source<'a>, RecordError> {
         let failed = |error| RecordError::unreadable(&file, &error);
         let (mut rest, length) = origin.open().map_err(failed)?;
         let mut head = Vec::new();
@@ -245,12 +270,13 @@ impl<'a> Source<'a> {
     /// The file cannot be read, or is a pipe.
     pub(crate) fn seekable(&self) -> Result<Box<dyn Seekable + 'a>, RecordError> {
         self.size()?;
-        match self.origin {
+        match &self.origin {
             Origin::Path(path) => {
                 let file = open(path).map_err(|error| RecordError::unreadable(&self.file, &error))?;
                 Ok(Box::new(file))
             }
-            Origin::Bytes(bytes) => Ok(Box::new(Cursor::new(bytes))),
+            Origin::Bytes(bytes) => Ok(Box::new(Cursor::new(*bytes))),
+            Origin::Unpacked(bytes) => Ok(Box::new(Cursor::new(bytes.clone()))),
         }
     }
 }

@@ -59,7 +59,7 @@ impl<'a> Text<'a> {
                     .map_err(|_| hidden(&source))?,
             }
         };
-        Ok(Text { origin: source.origin, rows: source.from(layout.start), layout, comments: 0 })
+        Ok(Text { origin: source.origin.clone(), rows: source.from(layout.start), layout, comments: 0 })
     }
 }
 
@@ -90,7 +90,7 @@ impl Columns for Text<'_> {
         if let Some(first) = self.layout.first.filter(|_| span_s(&found) > DAY_S) {
             let mut layout = self.layout.clone();
             layout.first = Some(first.other());
-            let other = reopened(&layout, self.origin).map(|rows| read(&layout, rows, wanted, rules));
+            let other = reopened(&layout, &self.origin).map(|rows| read(&layout, rows, wanted, rules));
             if let Some(other) = other.filter(|other| span_s(other) < span_s(&found)) {
                 (found, self.layout) = (other, layout);
             }
@@ -147,12 +147,12 @@ impl Columns for Text<'_> {
     }
 
     fn place_of_row(&self, row: usize, column: usize) -> Option<Place> {
-        place_of_row(&self.layout, self.origin, row, column)
+        place_of_row(&self.layout, &self.origin, row, column)
     }
 }
 
 /// The rows of a text again.
-fn reopened<'a>(layout: &Layout, origin: Origin<'a>) -> Option<impl Read + use<'a>> {
+fn reopened<'a>(layout: &Layout, origin: &Origin<'a>) -> Option<impl Read + use<'a>> {
     let mut bytes = BufReader::new(origin.open().ok()?.0);
     std::io::copy(&mut bytes.by_ref().take(layout.start as u64), &mut std::io::sink()).ok()?;
     Some(bytes)
@@ -386,7 +386,7 @@ fn endless(layout: &Layout, lines: usize, block: &[u8]) -> RecordError {
 }
 
 /// The place of a row, counted from 0. Rows are read again for it, because places are not kept for millions of rows.
-fn place_of_row(layout: &Layout, origin: Origin, row: usize, column: usize) -> Option<Place> {
+fn place_of_row(layout: &Layout, origin: &Origin, row: usize, column: usize) -> Option<Place> {
     let lines = BufReader::new(origin.open().ok()?.0).split(b'\n').map_while(Result::ok);
     let lines = lines.zip(1..).skip(layout.lines);
     let mut rows = lines.filter(|(line, _)| !layout.delimiter.skips(line));

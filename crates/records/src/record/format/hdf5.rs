@@ -32,10 +32,11 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
     let options = OpenOptions::default()
         .with_max_read_bytes(length.try_into().unwrap_or(usize::MAX))
         .with_max_chunk_bytes(MAX_CHUNK);
-    let opened = match source.origin {
+    let opened = match &source.origin {
         Origin::Path(path) => FileStorage::open(path)
             .and_then(|storage| Hdf5File::from_storage_with_options(std::sync::Arc::new(storage), options)),
         Origin::Bytes(bytes) => Hdf5File::from_vec_with_options(bytes.to_vec(), options),
+        Origin::Unpacked(bytes) => Hdf5File::from_vec_with_options(bytes.to_vec(), options),
     };
     let mut search = Search {
         is_matlab: source.head.starts_with(b"MATLAB 7.3"),

@@ -8,7 +8,6 @@ use std::io;
 
 use crate::record::binary::Number;
 use crate::record::format::Columns;
-use crate::record::format::check_unpacked;
 use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Rule, Sample, Topic, Vector, held};
 use crate::record::{RecordError, malformed};
 
@@ -403,30 +402,12 @@ impl<'m> Cursor<'m> {
 /// The messages of each topic.
 #[derive(Default)]
 pub(crate) struct Messages {
-    /// Length of the file in bytes, if it is known.
-    stored: Option<u64>,
-    /// Bytes that were unpacked from it.
-    unpacked: u64,
     topics: BTreeMap<String, Group>,
     /// Other types of messages, for a refusal.
     others: Vec<String>,
 }
 
 impl Messages {
-    /// Starts an empty collection for a file of `stored` bytes.
-    pub(crate) fn new(stored: Option<u64>) -> Messages {
-        Messages { stored, ..Messages::default() }
-    }
-
-    /// Counts bytes that were unpacked.
-    ///
-    /// # Errors
-    /// There are more than a recording of that length has.
-    pub(crate) fn unpack(&mut self, bytes: usize) -> io::Result<()> {
-        self.unpacked += bytes as u64;
-        check_unpacked(self.unpacked, self.stored)
-    }
-
     /// The reader of messages of a type in an encoding, as recordings name it, if they have samples.
     pub(crate) fn reader(&mut self, kind: &str, definition: Option<&str>, encoding: &str) -> Option<Reader> {
         let known = match encoding {
@@ -451,6 +432,8 @@ impl Messages {
     /// # Errors
     /// It is no message of the type of the reader, or those before were of another type.
     pub(crate) fn take(&mut self, topic: &str, message: &[u8], reader: &Reader) -> io::Result<()> {
+        #[cfg(feature = "ros")]
+        let message = &*crate::record::format::packed::message(message)?;
         let Some(sample) = reader.sample(message) else {
             return malformed(&format!("a message of {topic} is no {}", reader.topic.name));
         };

@@ -13,8 +13,27 @@ use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::record::format::messages::{Messages, Reader};
-use crate::record::format::{Columns, Source};
+use crate::record::format::{Columns, Source, check_unpacked};
 use crate::record::{RecordError, malformed, told};
+
+/// Bytes that were unpacked from a file.
+#[derive(Default)]
+struct Unpacked {
+    /// Length of the file in bytes, if it is known.
+    stored: Option<u64>,
+    bytes: u64,
+}
+
+impl Unpacked {
+    /// Counts bytes that were unpacked.
+    ///
+    /// # Errors
+    /// There are more than a recording of that length has.
+    fn add(&mut self, bytes: usize) -> io::Result<()> {
+        self.bytes += bytes as u64;
+        check_unpacked(self.bytes, self.stored)
+    }
+}
 
 /// Encodings of definitions that are read.
 const DEFINITIONS: [&str; 2] = ["ros2msg", "ros1msg"];
@@ -31,7 +50,8 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
-    let mut topics = McapTopics { messages: Messages::new(source.length), ..McapTopics::default() };
+    let mut topics = McapTopics::default();
+    let mut unpacked = Unpacked { stored: source.length, bytes: 0 };
     let mut bytes = source.from(0);
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
@@ -40,7 +60,7 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
                 reader.notify_read(read.map_err(|error| RecordError::unreadable(&file, &error))?);
             }
             LinearReadEvent::Record { data, opcode } => {
-                let counted = topics.messages.unpack(data.len());
+                let counted = unpacked.add(data.len());
                 counted
                     .and_then(|()| topics.take(opcode, data))
                     .map_err(|error| bad(&file, &error.to_string()))?;
@@ -151,7 +171,7 @@ const CONNECTION: u8 = 7;
 /// Reads all messages of the file.
 pub(crate) fn open_bag(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
-    let mut bag = Bag { messages: Messages::new(source.length), ..Bag::default() };
+    let mut bag = Bag { unpacked: Unpacked { stored: source.length, bytes: 0 }, ..Bag::default() };
     bag.read(&mut source.from(MAGIC)).map_err(|error| {
         let help = "if the recording was cut short, `rosbag reindex` saves what is intact; `rosbag compress --lz4` or \
                     `rosbag decompress` change the compression";
@@ -168,6 +188,7 @@ struct Bag {
     /// Number of chunks and of their descriptions at the end.
     chunks: u32,
     infos: u32,
+    unpacked: Unpacked,
     messages: Messages,
 }
 
@@ -245,7 +266,7 @@ impl Bag {
                 [CHUNK] => {
                     self.chunks += 1;
                     let data = unpacked(&header, data)?;
-                    self.messages.unpack(data.len())?;
+                    self.unpacked.add(data.len())?;
                     let mut rest = data.as_slice();
                     while let Some((header, data)) = record(&mut rest)? {
                         self.take(&header, &data)?;
@@ -293,6 +314,15 @@ fn unpacked(header: &Fields, data: Vec<u8>) -> io::Result<Vec<u8>> {
             let bytes = part(&mut decoder, size, MAX_BAG_RECORD)?;
             // A checksum behind the bytes is compared where the frame ends.
             if decoder.read(&mut [0])? > 0 || decoder.finish().1.is_err() {
+                return malformed("a chunk has another length than its header says");
+            }
+            bytes
+        }
+        "bz2" => {
+            let mut decoder = bzip2::read::BzDecoder::new(data.as_slice());
+            let bytes = part(&mut decoder, size, MAX_BAG_RECORD)?;
+            // Checksums are compared at the end of each block.
+            if decoder.read(&mut [0])? > 0 {
                 return malformed("a chunk has another length than its header says");
             }
             bytes

@@ -176,7 +176,8 @@ impl Log {
 
     fn read_from(name: &str, origin: Origin, request: &Request) -> Result<Log, RecordError> {
         // Columns of temperature that nobody asked for are no reason to refuse a log.
-        Log::read_with(name, origin, request, true).or_else(|_| Log::read_with(name, origin, request, false))
+        Log::read_with(name, origin.clone(), request, true)
+            .or_else(|_| Log::read_with(name, origin, request, false))
     }
 
     fn read_with(
