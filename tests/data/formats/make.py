@@ -4,6 +4,7 @@
     env/bin/python tests/data/formats/make.py
 """
 
+import gzip
 import sqlite3
 import struct
 from pathlib import Path
@@ -112,14 +113,15 @@ def write_mcap(name, **options):
         writer.finish()
 
 
-def write_bag(name, is_packed):
+def write_bag(name, packing=None):
     store = get_typestore(Stores.ROS1_NOETIC)
     types = store.types
     vector, covariance = types["geometry_msgs/msg/Vector3"], np.zeros(9)
     (FOLDER / name).unlink(missing_ok=True)
     bag = Bag(FOLDER / name)
-    if is_packed:
-        bag.set_compression(Bag.CompressionFormat.LZ4)
+    if packing:
+        bag.set_compression(packing)
+    if packing == Bag.CompressionFormat.LZ4:
         # With a checksum, as ROS writes it.
         bag.compressor = lambda chunk: lz4.frame.compress(chunk, content_checksum=True)
     with bag:
@@ -215,8 +217,10 @@ write_text()
 write_arrays()
 write_hdf5()
 write_mcap("imu.mcap")
-write_bag("imu.bag", False)
-write_bag("imu_packed.bag", True)
+write_bag("imu.bag")
+write_bag("imu_packed.bag", Bag.CompressionFormat.LZ4)
+write_bag("imu_bz2.bag", Bag.CompressionFormat.BZ2)
 write_ulog()
 write_dataflash()
 write_db3()
+(FOLDER / "imu.csv.gz").write_bytes(gzip.compress((FOLDER / "imu.csv").read_bytes(), mtime=0))
