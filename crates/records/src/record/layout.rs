@@ -177,7 +177,7 @@ impl Layout {
             let numbers = rows.get(column).filter(|numbers| numbers.len() > 1)?;
             Some(median_step(numbers)).filter(|step| *step > 0.0)
         };
-        match loggers::complete(&mut layout.names, &above, &step) {
+        match loggers::complete(&mut layout.names, file, &above, &step) {
             Some(Known::One(note)) => layout.inferred.push(note),
             Some(Known::Several(rivals)) => layout.rivals = Some(rivals),
             None => {}

@@ -12,7 +12,8 @@ struct Logger {
     has: &'static [&'static str],
     /// Names without index, or ends of them after a dot, with their units.
     units: &'static [(&'static str, &'static str)],
-    /// Names of columns in the header of its gyro and of its accelerometer, so that their units are only proposed.
+    /// Names of columns in the header of its gyro and of its accelerometer, so that their units are only proposed, unless the file
+    /// is called like a gyro.
     samples: &'static [&'static str],
     /// What tells it from another maker's logger with the same names.
     signs: Option<Signs>,
@@ -115,7 +116,15 @@ const LOGGERS: [Logger; 12] = [
     Logger {
         name: "Physics Toolbox",
         has: &["gFx"],
-        units: &[("wx", "rad/s"), ("wy", "rad/s"), ("wz", "rad/s"), ("gFx", "g"), ("gFy", "g"), ("gFz", "g")],
+        units: &[
+            ("time", "s"),
+            ("wx", "rad/s"),
+            ("wy", "rad/s"),
+            ("wz", "rad/s"),
+            ("gFx", "g"),
+            ("gFy", "g"),
+            ("gFz", "g"),
+        ],
         samples: &[],
         signs: None,
     },
@@ -233,10 +242,11 @@ impl Signs {
     }
 }
 
-/// Gives columns the units that the logger of this header has, and says which logger that is. `above` is the text above the header, and
-/// `step` has the steps of the numbers in a column.
+/// Gives columns the units that the logger of this header has, and says which logger that is. `file` is the path of the file, `above` the
+/// text above the header, and `step` has the steps of the numbers in a column.
 pub(crate) fn complete(
     names: &mut [Name],
+    file: &str,
     above: &str,
     step: &dyn Fn(usize) -> Option<f64>,
 ) -> Option<Known> {
@@ -279,10 +289,19 @@ pub(crate) fn complete(
         };
         logger
     };
+    let mut units = vec![];
+    let is_of_gyro = file.rsplit(['/', '\\']).next().is_some_and(|file| file.to_lowercase().contains("gyro"));
     for name in names.iter_mut().filter(|name| logger.samples.iter().any(|known| is(name, known))) {
         name.logger = Some(logger.name);
+        if is_of_gyro && name.unit.is_none() {
+            name.unit = Some("rad/s".to_owned());
+            name.is_assumed = true;
+            units.push(format!("{} rad/s", name.whole));
+        }
     }
-    let mut units = vec![];
+    if !units.is_empty() {
+        why.push_str(", and the name of the file that of a gyro");
+    }
     // A unit at the end of a name is what the logger means by it.
     let is_open =
         |name: &&mut Name| name.unit.as_ref().is_none_or(|unit| name.base().ends_with(unit.as_str()));
@@ -338,7 +357,23 @@ mod tests {
 
     fn known(header: &str, above: &str, step: f64) -> Option<Known> {
         let mut names: Vec<Name> = header.split(',').map(Name::read).collect();
-        complete(&mut names, above, &|_| Some(step))
+        complete(&mut names, "log.csv", above, &|_| Some(step))
+    }
+
+    #[test]
+    fn the_name_of_a_file_tells_a_gyro_from_an_accelerometer_with_the_same_header() {
+        let header = "time,seconds_elapsed,z,y,x";
+        for (file, unit) in
+            [("a/Gyroscope.csv", Some("rad/s")), ("gyro/Accelerometer.csv", None), ("log.csv", None)]
+        {
+            let mut names: Vec<Name> = header.split(',').map(Name::read).collect();
+            let known = complete(&mut names, file, "", &|_| Some(1e7));
+            assert_eq!(names[2].unit.as_deref(), unit, "{file}");
+            assert!(
+                matches!(&known, Some(Known::One(note)) if note.contains("name of the file") == unit.is_some()),
+                "{known:?}"
+            );
+        }
     }
 
     #[test]
