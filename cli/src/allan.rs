@@ -113,8 +113,9 @@ Examples:
 
 Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
 header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
-MCAP and ROS 1 bags with sensor_msgs/Imu, or raw binary with --binary. Empty cells, NaN and missing
-time stamps are gaps, with --rate too. The deviations omit every difference that touches a gap.
+MCAP and ROS bags with sensor_msgs/Imu, PX4 .ulg, ArduPilot .bin, or raw binary with --binary, all
+of them also as .gz. Empty cells, NaN and missing time stamps are gaps, with --rate too. The
+deviations omit every difference that touches a gap.
 Units tell gyros from accelerometers; without --column all columns whose units fit are read.
 --json prints an object, or an array of objects for several files.";
 

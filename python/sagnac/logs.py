@@ -188,7 +188,7 @@ def read_log(
     Parameters
     ----------
     path
-        CSV and other text, Stable32, NumPy, MATLAB, HDF5, MCAP and ROS 1 bags, or raw binary with ``binary``.
+        CSV and other text, Stable32, NumPy, MATLAB, HDF5, MCAP, ROS bags, PX4, ArduPilot, or raw binary with ``binary``.
     column
         Columns by name or number from 1, a range such as ``"2-4"``, or ``"all"``; by default the only one, or all whose units fit.
     rate

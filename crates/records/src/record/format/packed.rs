@@ -13,12 +13,15 @@ const MAX_FILE: u64 = 1 << 30;
 /// Bytes unpacked between two looks at their number.
 const BLOCK: u64 = 1 << 20;
 
+/// Opens a reader of what is compressed.
+type Unpacker = for<'a> fn(Box<dyn Read + 'a>) -> io::Result<Box<dyn Read + 'a>>;
+
 /// A compression.
 pub(crate) struct Packing {
     pub name: &'static str,
     /// The first bytes of what is compressed.
     begins: &'static [u8],
-    open: for<'a> fn(Box<dyn Read + 'a>) -> io::Result<Box<dyn Read + 'a>>,
+    open: Unpacker,
 }
 
 const PACKINGS: &[Packing] = &[

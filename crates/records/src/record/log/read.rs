@@ -137,8 +137,9 @@ impl Log {
     ///
     /// Text may be CSV, TSV, separated by semicolons or in columns with blanks between, with or without a header, with
     /// comments after `#`, `%` or `;`, and with decimal points or commas; a Stable32 .DAT is one such file. Arrays may be in
-    /// NumPy, MATLAB and HDF5 files, messages of an IMU in MCAP files and ROS bags. Empty cells and NaN are missing samples,
-    /// and so are those skipped by a step of several sampling steps. What was inferred is in [`Log::notes`].
+    /// NumPy, MATLAB and HDF5 files, messages of an IMU in MCAP files and ROS bags, samples in logs of PX4 and ArduPilot. Empty
+    /// cells and NaN are missing samples, and so are those skipped by a step of several sampling steps. What was inferred is in
+    /// [`Log::notes`].
     ///
     /// Without a given sampling step, it is the median step of the stamps, and all steps must be within 10 % of whole
     /// multiples of it. With one, stamps may be late by several steps.
