@@ -226,7 +226,8 @@ impl<'a> Source<'a> {
         let (file, stored) = (source.file.clone(), source.length);
         let bytes = packing.unpack(Box::new(source.from(0)), stored).map_err(|error| {
             let message = format!("{file} cannot be unpacked from {}: {}", packing.name, told(&error));
-            RecordError::new(message, "", "copy it again from where it was recorded", None)
+            let help = format!("unpack it first, by `{} -d`, or copy it again", packing.name);
+            RecordError::new(message, "", help, None)
         })?;
         Source::packed(file, Origin::Unpacked(bytes.into()))
     }

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::io::{self, Read};
 
-use crate::record::binary::{NUMBERS, Number};
+use crate::record::binary::Number;
 use crate::record::format::groups::{Group, Groups, Sample, held};
 use crate::record::format::{Columns, Format, Source};
 use crate::record::{RecordError, malformed, told};
@@ -91,9 +91,9 @@ struct Place {
     divisor: f64,
 }
 
-/// Bytes of a field of this type, and its number if it has one.
-fn field(kind: u8) -> Option<(usize, Option<(&'static str, f64)>)> {
-    let number = match kind {
+/// Bytes of a field of this type, and its number with what it is divided by, if it has one.
+fn field(kind: u8) -> Option<(usize, Option<(&'static Number, f64)>)> {
+    let (name, divisor) = match kind {
         b'b' => ("i1", 1.0),
         b'B' | b'M' => ("u1", 1.0),
         b'h' => ("i2", 1.0),
@@ -115,7 +115,8 @@ fn field(kind: u8) -> Option<(usize, Option<(&'static str, f64)>)> {
         b'Z' | b'a' => return Some((64, None)),
         _ => return None,
     };
-    Some((Number::called(number.0)?.size, Some(number)))
+    let number = Number::called(name)?;
+    Some((number.size, Some((number, divisor))))
 }
 
 impl Kind {
@@ -138,8 +139,7 @@ impl Layout {
         let (mut places, mut start) = (HashMap::new(), 0);
         for (kind, label) in types.bytes().zip(labels.split(',')) {
             let (size, number) = field(kind)?;
-            if let Some((name, divisor)) = number {
-                let number = NUMBERS.iter().find(|number| number.name == name)?;
+            if let Some((number, divisor)) = number {
                 places.insert(label.trim(), Place { start, number, divisor });
             }
             start += size;

@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::io;
 
 use crate::record::binary::Number;
-use crate::record::format::Columns;
 use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Rule, Sample, Topic, Vector, held};
+use crate::record::format::{Columns, packed};
 use crate::record::{RecordError, malformed};
 
 /// Deepest types within types, and most numbers of one.
@@ -291,8 +291,8 @@ impl Walk<'_> {
             match extent {
                 None => steps.extend(self.field(kind, of, &format!("{path}{name}"), depth)?),
                 Some(extent) if extent.is_empty() || extent.starts_with("<=") => {
-                    // Nothing in a list is wanted.
-                    let inner = self.field(kind, of, "", depth)?;
+                    // Nothing in a list is wanted, and no wanted path begins so.
+                    let inner = self.field(kind, of, "[]", depth)?;
                     steps.push(Step::List(inner));
                 }
                 Some(extent) => {
@@ -432,9 +432,7 @@ impl Messages {
     /// # Errors
     /// It is no message of the type of the reader, or those before were of another type.
     pub(crate) fn take(&mut self, topic: &str, message: &[u8], reader: &Reader) -> io::Result<()> {
-        #[cfg(feature = "ros")]
-        let message = &*crate::record::format::packed::message(message)?;
-        let Some(sample) = reader.sample(message) else {
+        let Some(sample) = reader.sample(&packed::message(message)?) else {
             return malformed(&format!("a message of {topic} is no {}", reader.topic.name));
         };
         let (unit, has) = (reader.unit(), reader.topic.has());
@@ -456,8 +454,10 @@ impl Messages {
     pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
         let groups = self.topics.into_values().collect();
         Groups::open(file, groups, vec![], || {
-            let message = format!("{file} has no messages of type sensor_msgs/Imu");
-            let help = format!("it holds {}: give a record with an IMU", held(self.others));
+            let message =
+                format!("{file} has no messages of type sensor_msgs/Imu or others with angular rates");
+            let help =
+                format!("it holds {}: give a record with an IMU, in an encoding of ROS", held(self.others));
             RecordError::new(message, "", help, None)
         })
     }
@@ -561,6 +561,10 @@ mod tests {
             ("uint64 timestamp\nOther x", "unknown type `px4_msgs/Other`"),
             ("uint64 timestamp\nSensorCombined x", "unknown type"),
             ("uint64[9999] timestamp", "too many fields"),
+            (
+                "Inner[] list\nfloat32[3] gyro_rad\n====\nMSG: px4_msgs/Inner\nuint64 timestamp",
+                "has no `timestamp`",
+            ),
         ] {
             let said = read(text).err().map(|error| error.to_string()).unwrap_or_default();
             assert!(said.contains(piece), "{piece} is missing in {said:?}");

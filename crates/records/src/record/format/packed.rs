@@ -1,5 +1,6 @@
 //! Files and messages that are compressed as a whole.
 
+use std::borrow::Cow;
 use std::io::{self, Read};
 
 use flate2::read::MultiGzDecoder;
@@ -33,15 +34,8 @@ const PACKINGS: &[Packing] = &[
         open: |packed| Ok(Box::new(bzip2::read::MultiBzDecoder::new(packed))),
     },
     #[cfg(feature = "ros")]
-    ZSTD,
+    Packing { name: "zstd", begins: ZSTD, open: |packed| Ok(Box::new(zstd::Decoder::new(packed)?)) },
 ];
-
-#[cfg(feature = "ros")]
-const ZSTD: Packing = Packing {
-    name: "zstd",
-    begins: b"\x28\xb5\x2f\xfd",
-    open: |packed| Ok(Box::new(zstd::Decoder::new(packed)?)),
-};
 
 impl Packing {
     /// The compression of a file that begins so, if it has one that is read.
@@ -66,14 +60,22 @@ impl Packing {
     }
 }
 
+/// The first bytes of what zstd has compressed.
+const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+
 /// A message of ROS 2 as it was before a recorder compressed it, if it was: none of CDR begins like zstd.
-#[cfg(feature = "ros")]
-pub(crate) fn message(bytes: &[u8]) -> io::Result<std::borrow::Cow<'_, [u8]>> {
-    if !bytes.starts_with(ZSTD.begins) {
+///
+/// # Errors
+/// It is damaged, or this build lacks zstd.
+pub(crate) fn message(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
+    if !bytes.starts_with(ZSTD) {
         return Ok(bytes.into());
     }
+    let Some(packing) = Packing::new(ZSTD) else {
+        return malformed("its messages are compressed by zstd, which this build does not read");
+    };
     let mut message = Vec::new();
-    (ZSTD.open)(Box::new(bytes))?.take(BLOCK).read_to_end(&mut message)?;
+    (packing.open)(Box::new(bytes))?.take(BLOCK).read_to_end(&mut message)?;
     Ok(message.into())
 }
 

@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::io::{self, BufReader, Read};
 
-use crate::record::binary::{NUMBERS, Number};
+use crate::record::binary::Number;
 use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Sample, Topic, held};
 use crate::record::format::{Columns, Format, Source};
 use crate::record::{RecordError, malformed, told};
@@ -256,7 +256,7 @@ impl Walk<'_> {
 
 /// The type of numbers that C calls so.
 fn number(kind: &str) -> Option<&'static Number> {
-    let name = match kind {
+    Number::called(match kind {
         "int8_t" => "i1",
         "uint8_t" | "bool" | "char" => "u1",
         "int16_t" => "i2",
@@ -268,8 +268,7 @@ fn number(kind: &str) -> Option<&'static Number> {
         "float" => "f4",
         "double" => "f8",
         _ => return None,
-    };
-    NUMBERS.iter().find(|number| number.name == name)
+    })
 }
 
 impl Layout {
