@@ -2,7 +2,6 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
@@ -243,8 +242,8 @@ impl From<RunError> for Failure {
 }
 
 impl Failure {
-    /// Prints the error on the standard error stream.
-    pub fn report(&self) -> ExitCode {
+    /// Prints the error on the standard error stream, and returns its exit code.
+    pub fn report(&self) -> u8 {
         match self {
             Failure::Study(error) => say(&error.render(look::colours_messages(), 110)),
             Failure::Log(error) => say(&error.render(look::colours_messages(), 110)),
@@ -271,7 +270,7 @@ impl Failure {
             Failure::Stopped { .. } | Failure::Unplanned { .. } => say!("{self}"),
             other => say!("error: {other}"),
         }
-        ExitCode::from(self.code())
+        self.code()
     }
 
     fn code(&self) -> u8 {

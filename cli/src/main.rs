@@ -1,62 +1,8 @@
-//! The `sagnac` program: it maps arguments to library calls, with one exit point.
+//! The program `sagnac`.
 
-/// Prints a line on the standard error stream, made visible. If that cannot be written, for example on a full disk,
-/// neither the work nor the exit code changes.
-macro_rules! say {
-    ($($words:tt)*) => {
-        $crate::output::say(&sagnac_base::diagnostics::visible(&format!($($words)*)))
-    };
-}
+use std::process::ExitCode;
 
-/// Prints a note, broken at words where the standard error stream is a terminal.
-macro_rules! note {
-    ($($words:tt)*) => {
-        say!("{}", $crate::look::of_note(&format!($($words)*)))
-    };
-}
-
-mod allan;
-mod arg_parsers;
-mod chart;
-mod check;
-mod compare;
-mod convert;
-mod design;
-mod device;
-mod explain;
-mod failure;
-mod filler;
-mod folders;
-mod generate;
-mod look;
-mod merge;
-mod model;
-mod outcome;
-mod output;
-mod program;
-mod progress;
-mod reading;
-mod report;
-mod results;
-mod run;
-mod sensitivity;
-mod simulate;
-
-use std::path::Path;
-
-fn main() -> std::process::ExitCode {
-    without_session();
-    sagnac::device::gpu::adapter::on_wait(|sentence| say!("{sentence}"));
-    program::main()
-}
-
-/// Disables a layer of Mesa's Vulkan drivers if there is no desktop session. The layer reorders devices, which is not
-/// needed here, and prints a warning if it finds no session folder.
-fn without_session() {
-    const LAYER_OFF: &str = "NODEVICE_SELECT";
-    let has_session = std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_dir());
-    if !has_session && std::env::var_os(LAYER_OFF).is_none() {
-        // SAFETY: no other thread is running yet.
-        unsafe { std::env::set_var(LAYER_OFF, "1") };
-    }
+fn main() -> ExitCode {
+    // SAFETY: the program has only this thread.
+    ExitCode::from(unsafe { sagnac_cli::main(std::env::args_os()) })
 }

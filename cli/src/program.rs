@@ -1,8 +1,9 @@
 //! The command line.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
@@ -131,9 +132,12 @@ fn renamed(old: &str, new: &str) {
     }
 }
 
+/// The option `--quiet` of the command line.
+static QUIET: OnceLock<bool> = OnceLock::new();
+
 /// Whether only errors are asked for.
 fn is_quiet() -> bool {
-    std::env::args_os().any(|argument| argument == "--quiet" || argument == "-q")
+    QUIET.get().is_some_and(|quiet| *quiet)
 }
 
 /// The commands as help lists them.
@@ -345,9 +349,9 @@ fn threads(text: &str) -> Result<usize, String> {
 }
 
 /// Whether an argument has characters that are not visible.
-fn hides() -> bool {
-    let mut arguments = std::env::args_os();
-    arguments.any(|argument| matches!(visible(&argument.to_string_lossy()), std::borrow::Cow::Owned(_)))
+fn hides(arguments: &[OsString]) -> bool {
+    let hides = |argument: &OsString| matches!(visible(&argument.to_string_lossy()), Cow::Owned(_));
+    arguments.iter().any(hides)
 }
 
 /// The arguments, in which a negative quantity is one with the option before it. Alone, as in `--rate -5Hz`, it would be taken for an option.
@@ -403,25 +407,32 @@ fn replaced(arguments: Vec<OsString>) -> (Vec<OsString>, Vec<String>) {
     (replaced, notes)
 }
 
-/// Runs the program.
-pub fn main() -> ExitCode {
+/// Runs the program with its arguments, and returns the exit code.
+pub fn main(arguments: impl Iterator<Item = OsString>) -> u8 {
     crate::output::outlive_limits();
-    let (arguments, former) = replaced(joined(std::env::args_os()));
+    let (arguments, former) = replaced(joined(arguments));
+    // There is only one command line.
+    let _ = QUIET.set(arguments.iter().any(|argument| argument == "--quiet" || argument == "-q"));
+    let hides = hides(&arguments);
     let color = crate::look::of_arguments(&arguments);
     let matches = command().color(color).try_get_matches_from(arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
-        // terminal, and `say!` shows the rest.
-        Err(error) if error.use_stderr() && hides() => {
-            say!("{}", error.render());
-            return ExitCode::from(2);
+        Err(error) if error.use_stderr() => {
+            // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
+            // terminal, and `say!` shows the rest.
+            if hides {
+                say!("{}", error.render());
+            } else {
+                // If the message cannot be written, the exit code still tells.
+                let _ = error.print();
+            }
+            return 2;
         }
-        Err(error) if error.use_stderr() => error.exit(),
         // Help or the version.
         Err(text) => {
             return match crate::output::flushed(text.print()) {
-                Ok(()) => ExitCode::SUCCESS,
+                Ok(()) => 0,
                 Err(failure) => failure.report(),
             };
         }
@@ -429,7 +440,7 @@ pub fn main() -> ExitCode {
     crate::look::follow(&cli.look);
     former.iter().filter(|_| !is_quiet()).for_each(|former| note!("{former}"));
     match cli.command.run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => failure.report(),
     }
 }
