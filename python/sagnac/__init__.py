@@ -26,8 +26,9 @@ Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 ('estimated', 4.96e-05)
 """
 
+from _sagnac import version as __version__
+
 from . import errors, theory
-from ._sagnac import version as __version__
 from .analyses import Analysis, batch, compare, design, sensitivity
 from .errors import (
     DeviceError,

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _sagnac
+import _sagnac
+
 from .errors import UsageError
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _sagnac
+import _sagnac
+
 from .errors import RecordError, UsageError
 from .logs import Kind, Log, Numbers, Reading, read_log, step_of
 from .studies import _threads

@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from . import _sagnac
+import _sagnac
+
 from ._raw import RawAnalysis
 from ._reading import Record, limits_of, reading_of
 from .errors import UsageError

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _sagnac
+import _sagnac
+
 from ._raw import RawFillers, RawRule
 from .analyses import Analysis, _found
 from .errors import UsageError

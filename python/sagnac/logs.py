@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _sagnac
+import _sagnac
+
 from .errors import UsageError
 from .studies import _threads
 

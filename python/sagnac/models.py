@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from . import _sagnac
+import _sagnac
+
 from ._reading import Record, reading_of
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError

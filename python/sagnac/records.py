@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _sagnac
+import _sagnac
+
 from ._reading import Record, limits_of, reading_of
 from .errors import UsageError
 from .logs import Kind

@@ -10,7 +10,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from . import _sagnac
+import _sagnac
+
 from ._raw import RawResults
 from ._toml import text_of
 from .errors import StorageError, UsageError

@@ -16,7 +16,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _sagnac
+import _sagnac
+
 from .errors import UsageError
 
 __all__ = [

@@ -8,7 +8,8 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from . import _sagnac
+import _sagnac
+
 from ._reading import Record, limits_of, reading_of
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError

@@ -1,5 +1,6 @@
 //! The native part of the Python package `sagnac`: it maps arguments to library calls, and returns arrays and plain
-//! objects. The functions for users, with their documentation, are written in Python, in `python/sagnac`.
+//! objects. The functions for users, with their documentation, are written in Python, in `python/sagnac`. The program
+//! `sagnac` is part of it.
 
 mod analysis;
 mod argument;
@@ -7,6 +8,7 @@ mod compute;
 mod failure;
 mod filler;
 mod log;
+mod program;
 mod progress;
 mod record;
 mod run;
@@ -20,6 +22,7 @@ use pyo3::prelude::*;
 fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("version", env!("CARGO_PKG_VERSION"))?;
     module.add("colours", sagnac::report::chart::COLOURS.to_vec())?;
+    module.add_function(wrap_pyfunction!(program::main, module)?)?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::design, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::sensitivity, module)?)?;

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -24,3 +26,11 @@ def studies() -> Path:
 def reference() -> Path:
     """Values of formulas that other programs computed."""
     return ROOT / "tests/data"
+
+
+@pytest.fixture
+def interrupted() -> Iterator[None]:
+    """Programs that a shell starts in the background ignore Ctrl-C; not so here."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

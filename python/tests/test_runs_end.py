@@ -9,7 +9,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -19,14 +18,6 @@ import sagnac
 
 # More than a machine samples while a test waits.
 ENDLESS = 1 << 31
-
-
-@pytest.fixture
-def interrupted() -> Iterator[None]:
-    """Programs that a shell starts in the background ignore Ctrl-C; not so here."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("interrupted")

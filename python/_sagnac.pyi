@@ -1,11 +1,11 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Protocol, TypeAlias, final
+from typing import NoReturn, Protocol, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._raw import RawAnalysis, RawCurves, RawFillers, RawFit, RawResults
+from sagnac._raw import RawAnalysis, RawCurves, RawFillers, RawFit, RawResults
 
 __all__ = [
     "Log",
@@ -24,6 +24,7 @@ __all__ = [
     "fit",
     "gap_response",
     "magnetic_drift",
+    "main",
     "model_of_noise",
     "model_of_record",
     "of_kinds",
@@ -213,6 +214,7 @@ class _Noise(Protocol):
     @property
     def sine(self) -> tuple[float, float] | None: ...
 
+def main() -> NoReturn: ...
 def run(
     path: Path | None,
     text: str,
