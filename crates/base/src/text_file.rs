@@ -76,9 +76,10 @@ fn is_of_kernel(found: &Metadata) -> bool {
     #[cfg(target_os = "linux")]
     {
         use std::os::linux::fs::MetadataExt;
-        ["/proc", "/sys"]
-            .iter()
-            .any(|root| std::fs::metadata(root).is_ok_and(|root| root.st_dev() == found.st_dev()))
+        let device = |path: &str| std::fs::metadata(path).ok().map(|found| found.st_dev());
+        // Where the kernel's files are not mounted, as in a chroot, their folders are ordinary ones.
+        let is_on = |folder: &&str| device(folder) == Some(found.st_dev());
+        ["/proc", "/sys"].iter().any(is_on) && !is_on(&"/")
     }
     #[cfg(not(target_os = "linux"))]
     {
