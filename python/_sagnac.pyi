@@ -14,6 +14,7 @@ __all__ = [
     "batch",
     "colours",
     "compare",
+    "convert",
     "curves",
     "design",
     "drift_bound",
@@ -214,6 +215,7 @@ class _Noise(Protocol):
     @property
     def sine(self) -> tuple[float, float] | None: ...
 
+def convert(text: str) -> tuple[str, list[tuple[str, float, str]]]: ...
 def main() -> NoReturn: ...
 def run(
     path: Path | None,

@@ -10,6 +10,7 @@
 - :func:`design` finds the switching interval and the filler with the least drift, and :func:`sensitivity` which uncertain input
   decides an answer.
 - :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
+- :func:`convert` converts noise coefficients between units and conventions.
 - :mod:`sagnac.theory` has the underlying closed forms, over arrays.
 
 Angles are in ″ (arcsec), rates in °/h, which is the same number in ″/s, times in s; any other unit is given
@@ -42,7 +43,7 @@ from .errors import (
 from .fillers import Filler, Fillers, Rule, filler
 from .logs import Log, read_log
 from .models import model
-from .noise import Allan, Coefficient, Curve, Fit, Minimum
+from .noise import Allan, Coefficient, Conversion, Curve, Fit, Minimum, convert
 from .records import allan, fit
 from .results import Answer, Results, Table
 from .studies import run
@@ -53,6 +54,7 @@ __all__ = [
     "Analysis",
     "Answer",
     "Coefficient",
+    "Conversion",
     "Curve",
     "DeviceError",
     "Filler",
@@ -74,6 +76,7 @@ __all__ = [
     "analyze",
     "batch",
     "compare",
+    "convert",
     "design",
     "errors",
     "filler",

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+import _sagnac
+
 from . import _plot
+from .errors import UsageError
 from .results import Answer
 
 if TYPE_CHECKING:
@@ -219,3 +222,63 @@ class Fit(Mapping[str, Coefficient]):
         import pandas
 
         return pandas.DataFrame([vars(coefficient) for coefficient in self.coefficients.values()])
+
+
+class Converted(NamedTuple):
+    """A coefficient in one convention and unit."""
+
+    convention: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """A noise coefficient in the units and conventions of data sheets."""
+
+    quantity: str
+    """The coefficient that has such a unit."""
+    rows: tuple[Converted, ...]
+
+    def to(self, unit: str) -> float:
+        """The value in another unit of the same coefficient.
+
+        Raises
+        ------
+        UsageError
+            The unit is unknown, or is that of another quantity.
+        """
+        one = convert(f"1 {unit}")
+        if one.quantity != self.quantity:
+            raise UsageError(f"{unit} is a unit of {one.quantity}, not of {self.quantity}")
+        return self.rows[0].value / one.rows[0].value
+
+
+def convert(value: str) -> Conversion:
+    """A noise coefficient of a gyro or an accelerometer in other units and conventions, as ``sagnac convert`` prints them.
+
+    Parameters
+    ----------
+    value
+        Number and unit: a noise density, random walk, bias instability, quantization or power density.
+
+    Notes
+    -----
+    N is that of IEEE 952: N² is the two-sided power density of white noise. Many data sheets give one-sided densities, which are
+    √2 times as large.
+
+    Raises
+    ------
+    UsageError
+        It is no number with a unit, or no coefficient has such a unit.
+
+    Examples
+    --------
+    >>> found = convert("0.0135 deg/s/sqrt(Hz)")
+    >>> found.quantity, round(found.to("deg/sqrt(h)"), 6)
+    ('angle random walk N', 0.81)
+    >>> found.rows[3].convention, found.rows[3].unit
+    ('density of the rate, two-sided', '°/h/√Hz')
+    """
+    quantity, rows = _sagnac.convert(value)
+    return Conversion(quantity, tuple(Converted(*row) for row in rows))

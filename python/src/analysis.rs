@@ -349,3 +349,14 @@ pub fn model_of_noise<'py>(
     })?;
     in_dict(py, found)
 }
+
+/// Convention, value and unit.
+type Converted = (&'static str, f64, &'static str);
+
+/// The name of the coefficient that a text gives, and its value in the units and conventions of data sheets.
+#[pyfunction]
+pub fn convert(text: &str) -> PyResult<(&'static str, Vec<Converted>)> {
+    let found = use_cases::convert(text).map_err(|error| Failure::Usage(error.to_string()))?;
+    let rows = found.rows.iter().map(|row| (row.convention, row.value, row.unit));
+    Ok((found.quantity, rows.collect()))
+}

@@ -31,6 +31,7 @@ fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(analysis::analyze, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::model_of_record, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::model_of_noise, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::convert, module)?)?;
     module.add_class::<log::Log>()?;
     module.add_function(wrap_pyfunction!(log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;

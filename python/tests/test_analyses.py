@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -192,3 +193,14 @@ def test_every_result_plots_what_its_chart_has(studies: Path) -> None:
     matplotlib.pyplot.close(axes.figure)
     with pytest.raises(sagnac.UsageError, match="accepted: chart-1"):
         results[0].plot("none")
+
+
+def test_conversions_are_those_that_the_program_prints(program: Program) -> None:
+    for value in ("0.0135 deg/s/sqrt(Hz)", "0.05 deg/h", "120 ug/sqrt(Hz)"):
+        printed = subprocess.run([program.path, "convert", value], capture_output=True, encoding="utf-8", check=True)
+        first, *lines = printed.stdout.splitlines()
+        found = sagnac.convert(value)
+        assert first == f"{found.quantity} = {value}" and len(lines) == len(found.rows)
+        for row, line in zip(found.rows, lines):
+            *_, number, unit = line.split()
+            assert (float(number), unit) == (float(f"{row.value:.6g}"), row.unit.replace("^2", "²"))

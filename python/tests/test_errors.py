@@ -142,8 +142,15 @@ def test_a_doubtful_unit_is_a_warning_that_can_be_silenced(data: Any, unit: str,
         sagnac.allan(data, 100.0, unit=unit, unit_check=False)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root writes everywhere")
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root writes everywhere")
 def test_a_folder_that_is_read_only_is_an_error_of_storage(studies: Path, tmp_path: Path) -> None:
     tmp_path.chmod(0o555)
     with pytest.raises(sagnac.StorageError, match="writable"):
         sagnac.run(studies / "smoke.toml", trials=100, device="cpu", out=tmp_path / "out")
+
+
+def test_values_that_cannot_be_converted_are_refused() -> None:
+    with pytest.raises(sagnac.UsageError, match="unit is missing"):
+        sagnac.convert("5")
+    with pytest.raises(sagnac.UsageError, match="deg/h is a unit of rate.*not of angle random walk N"):
+        sagnac.convert("5 deg/sqrt(h)").to("deg/h")
