@@ -1,4 +1,4 @@
-//! Deviations of a record: Allan, modified Allan, time and Hadamard, with intervals.
+//! Deviations of a record: Allan, modified Allan, time, Hadamard, total, Theo1 and parabolic, with intervals, and MTIE.
 //!
 //! ```text
 //! rates, increments or angles ─▶ Angles ─ Taus::factors ─▶ curve ─▶ Points ─ minimum ─▶ in-run bias stability
@@ -14,10 +14,13 @@ pub mod angles;
 pub mod deviation;
 pub mod distributions;
 pub(crate) mod edf;
+mod mtie;
 pub mod noise;
 pub mod sums;
 #[cfg(test)]
 mod tests;
+mod theo;
+mod total;
 
 use rayon::prelude::*;
 
@@ -28,7 +31,7 @@ pub use crate::allan::deviation::{
 use crate::allan::edf::edf;
 use crate::allan::noise::noise;
 pub use crate::allan::noise::{MIN_GROUPS, Noise, Overdispersion};
-use crate::allan::sums::sums;
+use crate::allan::sums::{Sum, sums};
 use sagnac_theory::allan::Process;
 use sagnac_theory::allan::gaussian::freedom;
 
@@ -89,6 +92,10 @@ impl Supposed {
 /// Greenhall and Riley for that noise and a record without gaps, times the part that gaps leave. The interval
 /// is that of χ² with these degrees of freedom.
 ///
+/// Total, modified total and Theo1 deviations are freed of the bias that NIST SP 1065 gives for the identified noise, white noise of
+/// the rate where it is unknown, and ThêoH of a bias measured against the Allan deviation. Their degrees of freedom are those of SP
+/// 1065. The parabolic deviation has intervals only by [`suppose`], MTIE has none.
+///
 /// # Limits
 /// Exact intervals need noise of one power law; where two meet, intervals are as good as those of the nearer one. Noise
 /// for which the deviation does not converge is treated as the steepest for which it does. With few groups the noise is
@@ -105,22 +112,54 @@ impl Supposed {
 /// # Ok::<(), TauError>(())
 /// ```
 pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidence: f64) -> Vec<Point> {
-    // The ratio of the mean square of a difference to the variance.
-    let normalization = if deviation.differences() == 2 { 2.0 } else { 6.0 };
     let sums = sums(angles, deviation, factors);
+    let is_theo1 = |m: usize| deviation.at(m, angles.len()).0 == Deviation::Theo1;
+    let measured = (deviation == Deviation::Theoh && factors.iter().any(|m| is_theo1(*m)))
+        .then(|| theo::measured_bias(angles));
     let points = factors.par_iter().zip(sums).map(|(&m, sum)| {
-        let tau_s = m as f64 * angles.step_s;
-        let variance = sum.squares / (normalization * sum.terms as f64 * tau_s * tau_s);
-        let scale = if deviation.is_of_angle() { tau_s / libm::sqrt(3.0) } else { 1.0 };
+        let tau_s = deviation.tau(m) * angles.step_s;
+        let noise = noise(angles, deviation, deviation.tau(m) as usize);
+        let (used, factor) = deviation.at(m, angles.len());
+        // Where it is unknown, white noise of the rate is the most likely.
+        let bias = measured.filter(|_| is_theo1(m)).unwrap_or_else(|| {
+            let alpha = noise.map_or(0, |noise| noise.alpha);
+            bias(used, alpha, angles.len(), factor)
+        });
+        let variance = sum.squares / (used.divisor(sum.terms, tau_s) * bias);
+        let scale = if deviation == Deviation::Tdev { tau_s / libm::sqrt(3.0) } else { 1.0 };
         // Less than 0 where what missing samples add is nearly all that there is.
         let value = (sum.terms > 0 && variance >= 0.0).then(|| libm::sqrt(variance) * scale);
-        let noise = noise(angles, deviation, m);
-        let left = sum.left(deviation.terms(angles.len(), m));
-        let edf = noise.and_then(|noise| edf(deviation, noise.alpha, angles.len(), m)).map(|edf| edf * left);
+        let left = left(angles, used, factor, &sum);
+        let edf = noise.and_then(|noise| edf(used, noise.alpha, angles.len(), factor)).map(|edf| edf * left);
+        // Terms that start at every n-th sample have no more of them than starts.
+        let is_thinned = used == Deviation::Theo1 && sum.terms < used.terms(angles.len(), factor) as u64;
+        let starts = sum.terms as f64 / (0.5 * factor as f64);
+        let edf = edf.map(|edf| if is_thinned { edf.min(starts) } else { edf });
         let interval = value.zip(edf).and_then(|(value, edf)| interval(value, edf, confidence));
         Point { m, tau_s, terms: sum.terms, value, noise, supposes: Supposed::PowerLaw, edf, left, interval }
     });
     points.collect()
+}
+
+/// Relation of the expected estimate to the variance that it is for, at the averaging factor `m` of noise of this exponent.
+fn bias(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> f64 {
+    match deviation {
+        Deviation::Totdev => total::bias(alpha, angles - 1, m),
+        Deviation::Mtotdev => total::modified_bias(alpha),
+        Deviation::Theo1 => theo::bias(alpha, m),
+        _ => 1.0,
+    }
+}
+
+/// Part of the degrees of freedom of a record without gaps that gaps leave to a sum.
+fn left(angles: &Angles, deviation: Deviation, m: usize, sum: &Sum) -> f64 {
+    let all = deviation.terms(angles.len(), m);
+    if deviation.is_of_differences() {
+        return sum.left(all);
+    }
+    let solid = angles.bridged();
+    let found: usize = solid.runs.iter().map(|run| deviation.terms(run.len(), m)).sum();
+    solid.share * found as f64 / all.max(1) as f64
 }
 
 /// Replaces degrees of freedom and intervals of a curve of `angles` by those of `model`, the noise of the whole record with the
@@ -139,12 +178,18 @@ pub fn suppose(
     let spread = angles.spread();
     points.par_iter_mut().for_each(|point| {
         let m = point.m;
-        let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * *from_s).and_then(|(process, _)| {
+        let (deviation, factor) = deviation.at(m, angles.len());
+        let is_known = deviation.is_of_differences();
+        let described = model.filter(|(_, from_s)| is_known && point.tau_s > 0.99 * *from_s);
+        let by_model = described.and_then(|(process, _)| {
             freedom(process, deviation.estimator(), deviation.is_modified(), samples, m as u64)
         });
         let found = match by_model {
             Some(edf) => Some((edf, Supposed::Model)),
-            None => edf::freedom(angles, deviation, m).map(|edf| (edf, Supposed::Differences)),
+            None if is_known || deviation == Deviation::Pdev => {
+                edf::freedom(angles, deviation, factor).map(|edf| (edf, Supposed::Differences))
+            }
+            None => point.edf.map(|edf| (edf / point.left, Supposed::PowerLaw)),
         };
         let Some((edf, supposes)) = found else { return };
         // The relative variance of an estimate is 2 over its degrees of freedom.

@@ -1,10 +1,12 @@
-//! The six deviations and their properties, the units of their curves, and the averaging times of a curve.
+//! The deviations and their properties, the units of their curves, and the averaging times of a curve.
 
 use std::fmt;
 use std::str::FromStr;
 
 use sagnac_base::names;
 use sagnac_theory::allan::{Difference, Estimator, Stride};
+
+use crate::allan::theo;
 
 names! {
     /// A deviation of a record of angles, which determines differences and averages. Their order is that of
@@ -22,6 +24,18 @@ names! {
         Hdev = "hdev",
         /// Overlapping Hadamard deviation.
         Ohdev = "ohdev",
+        /// Total deviation: the overlapping Allan deviation of the record extended by its reflections.
+        Totdev = "totdev",
+        /// Modified total deviation: the same for the modified Allan deviation.
+        Mtotdev = "mtotdev",
+        /// Theo1, of averaging times up to three quarters of the record.
+        Theo1 = "theo1",
+        /// ThêoH: the overlapping Allan deviation, and from a fifth of the record on Theo1 without its bias.
+        Theoh = "theoh",
+        /// Parabolic deviation: differences of the rates of straight lines through the angles.
+        Pdev = "pdev",
+        /// MTIE: the greatest range of the angle about the mean rate within a time, in the unit of the angle.
+        Mtie = "mtie",
     }
 }
 
@@ -35,7 +49,18 @@ impl Deviation {
             Deviation::Tdev => "time deviation",
             Deviation::Hdev => "Hadamard deviation",
             Deviation::Ohdev => "overlapping Hadamard deviation",
+            Deviation::Totdev => "total deviation",
+            Deviation::Mtotdev => "modified total deviation",
+            Deviation::Theo1 => "Theo1 deviation",
+            Deviation::Theoh => "ThêoH deviation",
+            Deviation::Pdev => "parabolic deviation",
+            Deviation::Mtie => "MTIE",
         }
+    }
+
+    /// Whether it is a mean square of finite differences of angles, or of their means, for which closed forms are known.
+    pub fn is_of_differences(self) -> bool {
+        self as usize <= Deviation::Ohdev as usize
     }
 
     /// Order of the differences of angles: d of Greenhall and Riley.
@@ -55,7 +80,7 @@ impl Deviation {
 
     /// Whether it is in the unit of the angle instead of the rate.
     pub fn is_of_angle(self) -> bool {
-        self == Deviation::Tdev
+        matches!(self, Deviation::Tdev | Deviation::Mtie)
     }
 
     /// The differences of angles and their distance; a modified deviation averages the angles too.
@@ -68,28 +93,89 @@ impl Deviation {
 
     /// Number of angles spanned by one term at the averaging factor `m`.
     pub fn span(self, m: usize) -> usize {
-        match self.is_modified() {
-            true => m.saturating_mul(self.differences() + 1),
-            false => m.saturating_mul(self.differences()).saturating_add(1),
+        match self {
+            Deviation::Mtotdev => m.saturating_mul(3),
+            Deviation::Theo1 | Deviation::Mtie => m.saturating_add(1),
+            Deviation::Pdev if m > 1 => m.saturating_mul(2).saturating_add(1),
+            _ if self.is_modified() => m.saturating_mul(self.differences() + 1),
+            _ => m.saturating_mul(self.differences()).saturating_add(1),
         }
+    }
+
+    /// The averaging time of the factor `m`, in samples.
+    pub fn tau(self, m: usize) -> f64 {
+        if self == Deviation::Theo1 { 0.75 * m as f64 } else { m as f64 }
     }
 
     /// The largest averaging factor at which `angles` angles give a term; 0 where none does.
     pub fn largest_factor(self, angles: usize) -> usize {
-        match self.is_modified() {
-            true => angles / (self.differences() + 1),
-            false => angles.saturating_sub(1) / self.differences(),
+        let samples = angles.saturating_sub(1);
+        match self {
+            Deviation::Theo1 if samples < theo::SHORTEST => 0,
+            Deviation::Theo1 => samples / 2 * 2,
+            Deviation::Theoh if samples >= SHORTEST_OF_THEOH => samples / 4 * 3,
+            Deviation::Mtotdev => angles / 3,
+            Deviation::Mtie => samples,
+            _ if self.is_modified() => angles / (self.differences() + 1),
+            _ => samples / self.differences(),
         }
     }
 
     /// The number of terms at `m` over `angles` angles without a gap.
     pub fn terms(self, angles: usize, m: usize) -> usize {
-        match (angles + 1).checked_sub(self.span(m)) {
-            None | Some(0) => 0,
-            Some(starts) if self.overlaps() => starts,
-            Some(starts) => (starts - 1) / m + 1,
+        if m == 0 || m > self.largest_factor(angles) {
+            return 0;
+        }
+        match self {
+            Deviation::Totdev => angles - 2,
+            Deviation::Theo1 => (angles - m) * (m / 2),
+            Deviation::Theoh => {
+                let (deviation, m) = self.at(m, angles);
+                deviation.terms(angles, m)
+            }
+            _ if self.overlaps() => angles + 1 - self.span(m),
+            _ => (angles - self.span(m)) / m + 1,
         }
     }
+
+    /// The factor that takes the place of `m`, where not all have a value.
+    fn nearest(self, m: usize, angles: usize) -> Option<usize> {
+        match self {
+            Deviation::Theo1 => (m >= theo::SHORTEST).then_some(m / 2 * 2),
+            Deviation::Theoh if !is_allan(m, angles) => Some(m / 3 * 3),
+            _ => Some(m),
+        }
+    }
+
+    /// The deviation that ThêoH is at the averaging time of `m` samples, and its factor; any other one is itself.
+    pub(crate) fn at(self, m: usize, angles: usize) -> (Deviation, usize) {
+        match self {
+            Deviation::Theoh if is_allan(m, angles) => (Deviation::Oadev, m),
+            Deviation::Theoh => (Deviation::Theo1, m / 3 * 4),
+            _ => (self, m),
+        }
+    }
+
+    /// Number that a sum of squares is divided by to give the variance, or for MTIE its square.
+    pub(crate) fn divisor(self, terms: u64, tau_s: f64) -> f64 {
+        let times = match self {
+            Deviation::Mtie => return 1.0,
+            // The sum over (m τ₀)² is 0.75 times the variance, and τ is 0.75 m τ₀.
+            Deviation::Theo1 => 4.0 / 3.0,
+            _ if self.differences() == 2 => 2.0,
+            _ => 6.0,
+        };
+        times * terms as f64 * tau_s * tau_s
+    }
+}
+
+/// Part of the record up to which ThêoH is the Allan deviation, and the samples of the shortest record in which it goes further.
+const MAX_OF_ALLAN: usize = 5;
+const SHORTEST_OF_THEOH: usize = 50;
+
+fn is_allan(m: usize, angles: usize) -> bool {
+    let samples = angles.saturating_sub(1);
+    samples < SHORTEST_OF_THEOH || m <= samples / MAX_OF_ALLAN
 }
 
 impl fmt::Display for Deviation {
@@ -218,6 +304,17 @@ pub enum TauError {
         /// The deviation.
         deviation: Deviation,
     },
+    /// A time is too short for Theo1.
+    #[error(
+        "τ = {tau_s} s is too short for {}: here τ ≥ {shortest_s} s\ngive `theoh`, which has all times, or leave it out",
+        Deviation::Theo1
+    )]
+    ShortOfTheo1 {
+        /// Requested time, s.
+        tau_s: f64,
+        /// The shortest τ, s.
+        shortest_s: f64,
+    },
     /// The computation would take too long for this number of samples.
     #[error(
         "`tau = all` is for at most {MAX_FOR_ALL} samples, the record has {0}: its work grows with their square\n\
@@ -234,8 +331,15 @@ pub enum TauError {
 
 impl Deviation {
     /// Length of the shortest record with a term, in units of τ.
-    fn largest_factor_of_length(self) -> usize {
-        if self == Deviation::Adev || self == Deviation::Oadev { 2 } else { 3 }
+    fn largest_factor_of_length(self) -> &'static str {
+        match self {
+            Deviation::Adev | Deviation::Oadev | Deviation::Totdev | Deviation::Pdev => "2",
+            Deviation::Theo1 | Deviation::Theoh => "4/3",
+            Deviation::Mtie => "1",
+            Deviation::Mdev | Deviation::Tdev | Deviation::Hdev | Deviation::Ohdev | Deviation::Mtotdev => {
+                "3"
+            }
+        }
     }
 }
 
@@ -248,7 +352,7 @@ impl Taus {
     pub fn factors(&self, angles: usize, step_s: f64, deviation: Deviation) -> Result<Vec<usize>, TauError> {
         let largest = deviation.largest_factor(angles);
         let samples = angles.saturating_sub(1);
-        let mut factors: Vec<usize> = match self {
+        let factors: Vec<usize> = match self {
             Taus::Octave => std::iter::successors(Some(1), |m: &usize| m.checked_mul(2))
                 .take_while(|&m| m <= largest)
                 .collect(),
@@ -264,6 +368,8 @@ impl Taus {
                 .map(|&tau_s| factor(tau_s, samples, step_s, deviation))
                 .collect::<Result<_, _>>()?,
         };
+        let mut factors: Vec<usize> =
+            factors.into_iter().filter_map(|m| deviation.nearest(m, angles)).collect();
         factors.sort_unstable();
         factors.dedup();
         Ok(factors)
@@ -274,12 +380,16 @@ fn factor(tau_s: f64, samples: usize, step_s: f64, deviation: Deviation) -> Resu
     if !(tau_s > 0.0 && tau_s.is_finite()) {
         return Err(TauError::NoTime(tau_s));
     }
-    let m = libm::round(tau_s / step_s);
+    // The factors of Theo1 are even.
+    let unit = if deviation == Deviation::Theo1 { 2 } else { 1 };
+    let m = unit as f64 * libm::round(tau_s / (deviation.tau(unit) * step_s));
     let largest = deviation.largest_factor(samples + 1);
     if m < 1.0 {
         Err(TauError::Short { tau_s, step_s })
+    } else if deviation == Deviation::Theo1 && m < theo::SHORTEST as f64 {
+        Err(TauError::ShortOfTheo1 { tau_s, shortest_s: deviation.tau(theo::SHORTEST) * step_s })
     } else if m > largest as f64 {
-        let [length_s, longest_s] = [samples, largest].map(|count| count as f64 * step_s);
+        let [length_s, longest_s] = [samples as f64, deviation.tau(largest)].map(|count| count * step_s);
         Err(TauError::Long { tau_s, length_s, longest_s, deviation })
     } else {
         Ok(m as usize)

@@ -10,7 +10,8 @@
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use crate::allan::{Angles, Deviation};
+use crate::allan::sums::of_lines;
+use crate::allan::{Angles, Deviation, theo, total};
 
 /// Most terms of a sum; for longer sums the paper's fits are used.
 const MAX_TERMS: f64 = 100.0;
@@ -31,6 +32,18 @@ pub(crate) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> 
     let terms = deviation.terms(angles, m);
     if terms == 0 || alpha > 2 || alpha + 2 * d as i32 <= 1 {
         return None;
+    }
+    let samples = angles - 1;
+    match deviation {
+        Deviation::Totdev => {
+            let of_rate = total::edf(alpha, samples, m);
+            return of_rate.or_else(|| edf(Deviation::Oadev, alpha, angles, m));
+        }
+        Deviation::Mtotdev if m <= total::MAX_OF_ALLAN => return edf(Deviation::Mdev, alpha, angles, m),
+        Deviation::Mtotdev => return Some(total::modified_edf(alpha, samples, m)),
+        Deviation::Theo1 => return Some(theo::edf(alpha, angles, deviation.tau(m))),
+        Deviation::Pdev | Deviation::Mtie => return None,
+        _ => {}
     }
     // The stride is τ/S.
     let s = if deviation.overlaps() { m as f64 } else { 1.0 };
@@ -261,6 +274,11 @@ fn of_every_sample(x: &[f64], deviation: Deviation, m: usize) -> Vec<f64> {
     if x.len() <= deviation.span(m) {
         return Vec::new();
     }
+    if deviation == Deviation::Pdev && m > 1 {
+        let mut slopes = Vec::with_capacity(x.len() - 2 * m);
+        of_lines(x, m, 0..x.len() - 2 * m, |slope| slopes.push(slope));
+        return slopes;
+    }
     let mut d = x.to_vec();
     for _ in 0..deviation.differences() {
         d = differenced(&d);
@@ -319,7 +337,7 @@ mod tests {
 
     #[test]
     fn degrees_of_freedom_are_those_of_the_terms_own_covariances() {
-        for deviation in Deviation::ALL {
+        for deviation in Deviation::ALL.into_iter().filter(|deviation| deviation.is_of_differences()) {
             for (angles, m) in [(1001, 1), (1001, 4), (1001, 30), (1001, 128), (1001, 300), (20_001, 100)] {
                 for (alpha, white_angle) in [(2, true), (0, false)] {
                     let Some(found) = edf(deviation, alpha, angles, m) else { continue };
@@ -337,7 +355,7 @@ mod tests {
 
     #[test]
     fn every_noise_that_converges_has_degrees_of_freedom_and_they_fall_with_m() {
-        for deviation in Deviation::ALL {
+        for deviation in Deviation::ALL.into_iter().filter(|deviation| deviation.is_of_differences()) {
             let least = -2 * (deviation.differences() as i32 - 1);
             for alpha in least..=2 {
                 let mut before = f64::INFINITY;
