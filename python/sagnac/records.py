@@ -18,7 +18,9 @@ from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .results import answer_of
 from .studies import _whole
 
-Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
+Deviation = Literal[
+    "adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev", "mtotdev", "theo1", "theoh", "pdev", "mtie"
+]
 
 #: Least number of simulated records with usable 2.5 % quantiles.
 MIN_REALIZATIONS = 200
@@ -59,7 +61,7 @@ def allan(
         it; ``angle``: the angle, phase or velocity since some start. The unit tells rotation from acceleration. By default ``rate``,
         or of a file what its header says.
     deviation
-        One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``.
+        One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``, ``mtotdev``, ``theo1``, ``theoh``, ``pdev``, ``mtie``.
     taus
         ``octave``, ``decade10``, ``decade20``, ``all`` (of at most 200,000 samples), or seconds, each rounded to a whole
         number of samples.

@@ -112,7 +112,7 @@ pub fn residuals(analysis: &Analysis) -> Option<Figure> {
     let [column] = &analysis.columns[..] else { return None };
     let (fit, curve) =
         (&column.noise()?.fit, column.curves.first().filter(|curve| !curve.deviation.is_of_angle())?);
-    if curve.deviation.is_modified() {
+    if curve.deviation.is_modified() || !curve.deviation.is_of_differences() {
         return None;
     }
     let point = |point: &Point| {
@@ -218,7 +218,7 @@ pub fn described<'a>(fit: &Fit, points: &'a [Point]) -> &'a [Point] {
 
 /// The expected deviation of a process over the times of a curve; empty where there is no closed form.
 pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: usize) -> Vec<(f64, f64)> {
-    if deviation.is_modified() {
+    if deviation.is_modified() || !deviation.is_of_differences() {
         return vec![];
     }
     let shown: Vec<f64> =

@@ -29,7 +29,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
     vec![
         key(|row| text(&row.column.name)),
         Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
-            .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
+            .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`, `totdev`, `mtotdev`, `theo1`, `theoh`, `pdev`, `mtie`."),
         Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
             .is(Role::Count, "Averaging time in samples."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
