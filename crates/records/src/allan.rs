@@ -94,7 +94,7 @@ impl Supposed {
 ///
 /// Total, modified total and Theo1 deviations are freed of the bias that NIST SP 1065 gives for the identified noise, white noise of
 /// the rate where it is unknown, and ThêoH of a bias measured against the Allan deviation. Their degrees of freedom are those of SP
-/// 1065. The parabolic deviation has intervals only by [`suppose`], MTIE has none.
+/// 1065, those of the parabolic deviation follow from the covariances of its terms. MTIE has no intervals.
 ///
 /// # Limits
 /// Exact intervals need noise of one power law; where two meet, intervals are as good as those of the nearer one. Noise
