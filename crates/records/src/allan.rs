@@ -14,6 +14,7 @@ pub mod angles;
 pub mod deviation;
 pub mod distributions;
 pub(crate) mod edf;
+pub mod hat;
 mod mtie;
 pub mod noise;
 pub mod sums;
