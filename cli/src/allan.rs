@@ -130,7 +130,7 @@ pub struct Options {
     /// Averaging times: octave, decade10, decade20, all, or seconds separated by commas
     #[arg(long, value_name = "TAUS", default_value = "octave", value_parser = taus)]
     pub tau: Taus,
-    /// Deviations to compute: one or more of adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, theo1, theoh, pdev, mtie, separated by commas
+    /// Deviations: one or more of adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, theo1, theoh, pdev, mtie, separated by commas
     #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
     pub deviation: Vec<Deviation>,
     /// Number of simulated records from which the intervals of the coefficients are found; 0 uses closed forms

@@ -39,13 +39,13 @@ use sagnac_theory::allan::gaussian::freedom;
 /// A deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Averaging factor m, τ in samples.
+    /// Averaging factor m, τ in samples; for [`Deviation::Theo1`] τ is 0.75 m.
     pub m: usize,
     /// Averaging time τ, s.
     pub tau_s: f64,
     /// Number of differences averaged, without those that touch a gap.
     pub terms: u64,
-    /// The deviation, in the unit of the angle per second, or for [`Deviation::Tdev`] in that of the angle. Absent
+    /// The deviation, in the unit of the angle per second, or for [`Deviation::Tdev`] and [`Deviation::Mtie`] in that of the angle. Absent
     /// without terms.
     pub value: Option<f64>,
     /// Noise identified by the lag-1 autocorrelation; absent where the record is too short.

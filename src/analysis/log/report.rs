@@ -29,9 +29,9 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
     vec![
         key(|row| text(&row.column.name)),
         Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
-            .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`, `totdev`, `mtotdev`, `theo1`, `theoh`, `pdev`, `mtie`."),
+            .is(Role::Key, "The deviation, as `--deviation` names it."),
         Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
-            .is(Role::Count, "Averaging time in samples."),
+            .is(Role::Count, "Averaging factor in samples."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))

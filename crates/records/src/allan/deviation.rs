@@ -138,6 +138,11 @@ impl Deviation {
         }
     }
 
+    /// Whether its work at one τ grows with τ.
+    fn grows_with_tau(self) -> bool {
+        matches!(self, Deviation::Mtotdev | Deviation::Theo1 | Deviation::Theoh)
+    }
+
     /// The factor that takes the place of `m`, where not all have a value.
     fn nearest(self, m: usize, angles: usize) -> Option<usize> {
         match self {
@@ -268,6 +273,9 @@ pub enum Taus {
 /// Most samples for [`Taus::All`], whose work grows with their square; at this limit it takes half a minute.
 pub const MAX_FOR_ALL: usize = 200_000;
 
+/// Most samples for [`Taus::All`] of modified total, Theo1 and ThêoH deviations, whose work grows with their cube.
+const MAX_FOR_ALL_OF_CUBE: usize = 5000;
+
 /// Most samples of all columns together for [`Taus::All`], whose points and charts take less than 1 GiB of memory then.
 pub const MAX_OF_COLUMNS: usize = 2_000_000;
 
@@ -321,6 +329,17 @@ pub enum TauError {
          give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooMany(usize),
+    /// The same for a deviation whose work at one τ grows with τ.
+    #[error(
+        "`tau = all` of {deviation} is for at most {MAX_FOR_ALL_OF_CUBE} samples, the record has {samples}: its work grows with \
+         their cube\ngive `tau = decade20`"
+    )]
+    TooManyOfCube {
+        /// Number of samples.
+        samples: usize,
+        /// The deviation.
+        deviation: Deviation,
+    },
     /// The curves of all columns together would take more memory than they may.
     #[error(
         "`tau = all` is for at most {MAX_OF_COLUMNS} samples of all columns together, the log has {0}\n\
@@ -361,6 +380,9 @@ impl Taus {
                 .take_while(|&m| m <= largest as f64)
                 .map(|m| m as usize)
                 .collect(),
+            Taus::All if deviation.grows_with_tau() && samples > MAX_FOR_ALL_OF_CUBE => {
+                return Err(TauError::TooManyOfCube { samples, deviation });
+            }
             Taus::All if samples > MAX_FOR_ALL => return Err(TauError::TooMany(samples)),
             Taus::All => (1..=largest).collect(),
             Taus::Seconds(taus) => taus
@@ -452,5 +474,16 @@ mod tests {
         assert!(error(-1.0, Deviation::Oadev).contains("is not a time"));
         let many = Taus::All.factors(MAX_FOR_ALL + 2, 1.0, Deviation::Oadev).unwrap_err();
         assert!(many.to_string().contains("decade20"), "{many}");
+        let many = Taus::All.factors(5002, 1.0, Deviation::Theo1).unwrap_err();
+        assert!(many.to_string().contains("of theo1 is for at most 5000"), "{many}");
+    }
+
+    #[test]
+    fn the_factors_of_theo1_are_even_and_those_of_theoh_meet_it() {
+        assert_eq!(factors(Taus::Octave, 100, Deviation::Theo1), [16, 32, 64]);
+        assert_eq!(factors(Taus::Seconds(vec![7.5, 21.0]), 100, Deviation::Theo1), [10, 28]);
+        assert_eq!(factors(Taus::Octave, 100, Deviation::Theoh), [1, 2, 4, 8, 16, 30, 63]);
+        let short = Taus::Seconds(vec![3.0]).factors(101, 1.0, Deviation::Theo1).unwrap_err().to_string();
+        assert!(short.contains("τ ≥ 7.5 s"), "{short}");
     }
 }

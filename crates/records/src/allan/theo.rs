@@ -76,7 +76,7 @@ fn thinned(Solid { values, runs, .. }: Solid, m: usize, most: u64) -> Sum {
     let starts = |run: &Range<usize>| run.len().saturating_sub(m);
     let all: usize = runs.iter().map(starts).sum();
     let stride = stride(all, half, most);
-    // 1 over the distance of the inner angles from the middle of its half, from the farthest pair on.
+    // Roots of the weights 1/(m/2 − δ), in the order of δ.
     let weights: Vec<f64> = (0..half).map(|k| 1.0 / libm::sqrt((half - k) as f64)).collect();
     let of_start = |start: usize| {
         let outer = values[start] + values[start + m];
