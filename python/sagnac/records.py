@@ -61,7 +61,8 @@ def allan(
         it; ``angle``: the angle, phase or velocity since some start. The unit tells rotation from acceleration. By default ``rate``,
         or of a file what its header says.
     deviation
-        One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``, ``mtotdev``, ``theo1``, ``theoh``, ``pdev``, ``mtie``.
+        One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``, ``mtotdev``, ``theo1``,
+        ``theoh``, ``pdev``, ``mtie``.
     taus
         ``octave``, ``decade10``, ``decade20``, ``all`` (of at most 200,000 samples), or seconds, each rounded to a whole
         number of samples.

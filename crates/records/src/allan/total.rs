@@ -147,7 +147,8 @@ fn of_period(integral: &[f64], m: usize) -> f64 {
     let length = 3 * m;
     let squares = |starts: Range<usize>| third_differences(integral, m, starts).squares;
     let half = |start: usize| {
-        let middle = if length % 2 == 0 { squares(start + length / 2..start + length / 2 + 1) } else { 0.0 };
+        let middle =
+            if length.is_multiple_of(2) { squares(start + length / 2..start + length / 2 + 1) } else { 0.0 };
         2.0 * squares(start..start + length.div_ceil(2)) + middle
     };
     // Both halves have the terms at their ends, of which all are equal.
