@@ -31,6 +31,13 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let mut documents: Vec<String> = Vec::new();
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
+        if let Some(curve) = options.reading.curve(path, options.confidence)? {
+            options.check_curve(path)?;
+            let fitting = allan.noise.fitting.as_ref();
+            let outcome = use_cases::fit_curve(curve, path, fitting, &allan.limits)?;
+            documents.extend(options.output.finish(&outcome, folder, [path.as_path()], &[])?);
+            continue;
+        }
         let mut log = options.reading.read_as_recorded(path, &request)?;
         options.check_record(&log)?;
         if let Some(first) = allan.first(&log) {
@@ -110,8 +117,10 @@ Examples:
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
     --limit \"N=0.003 deg/sqrt(h)\" --limit \"in_run_bias_stability=0.01 deg/h\"
+  sagnac allan curve.csv --unit deg/h --curve-interval 10%
 
-Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
+A file with a column tau is a curve, such as tau,adev of a paper, Stable32 or allantools: it is fitted
+as it is. Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
 header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
 MCAP and ROS bags with sensor_msgs/Imu, PX4 .ulg, ArduPilot .bin, or raw binary with --binary, all
 of them also as .gz. Empty cells, NaN and missing time stamps are gaps, with --rate too. The
@@ -222,6 +231,18 @@ impl Options {
             return Err(Failure::Usage(message));
         }
         Ok(())
+    }
+
+    /// Checks that nothing is asked for that only a log has.
+    fn check_curve(&self, path: &Path) -> Result<(), Failure> {
+        let asked = [
+            (self.record.is_some(), "--record"),
+            (self.dynamic.is_some(), "--dynamic"),
+            (self.navigate.is_some(), "--navigate"),
+        ];
+        let Some((_, option)) = asked.into_iter().find(|(is_asked, _)| *is_asked) else { return Ok(()) };
+        let message = format!("{option} needs a log, and {} is a curve\nleave it out", path.display());
+        Err(Failure::Usage(message))
     }
 
     /// Checks that the record can be written.

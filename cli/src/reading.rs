@@ -13,6 +13,7 @@ use sagnac::analysis::temperature::Temperature;
 use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::record::binary::Binary;
+use sagnac::record::curve_file::{CurveFile, CurveRequest, Errors};
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::measure::{Data, Unit, UnitCheck, UnitMismatch};
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing, step_of};
@@ -95,6 +96,9 @@ pub struct Reading {
     /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *model rejected*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
+    /// For a curve, the 95 % interval of its points, as in 10%, or the length of its record, as in "9 h" [default: that of the file]
+    #[arg(help_heading = "Reading the log", long, value_name = "PERCENT|TIME", value_parser = errors)]
+    curve_interval: Option<Errors>,
     /// Column of a temperature, by name or number, on which the rate depends: `sagnac allan` reports the dependence, other commands
     /// need --compensate with it
     #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
@@ -136,6 +140,17 @@ fn trend() -> impl TypedValueParser<Value = Trend> {
 
 fn unit_check() -> impl TypedValueParser<Value = UnitCheck> {
     one_of([("on", UnitCheck::On), ("off", UnitCheck::Off)])
+}
+
+/// Errors of the points of a curve: half an interval, or the length of a record.
+fn errors(text: &str) -> Result<Errors, String> {
+    if let Some(percent) = text.trim().strip_suffix('%') {
+        let percent: Option<f64> = percent.trim().parse().ok();
+        let percent = percent.filter(|percent| *percent > 0.0 && *percent <= 100.0);
+        return percent.map(|percent| Errors::Part(0.01 * percent)).ok_or_else(|| "not between 0 and 100 %".to_owned());
+    }
+    let length_s = seconds(text).map_err(|error| format!("{error}; write as in 10% or \"9 h\""))?;
+    if length_s > 0.0 { Ok(Errors::Record(length_s)) } else { Err("the record has no length".to_owned()) }
 }
 
 fn fit_terms(text: &str) -> Result<Fitted, String> {
@@ -244,6 +259,24 @@ impl Reading {
             Some(temperature) => temperature.compensated(&log),
             None => log,
         })
+    }
+
+    /// Reads the curve at `path`, if the file is one, whose intervals have this probability if the file does not state it.
+    ///
+    /// # Errors
+    /// The curve is refused.
+    pub fn curve(&self, path: &Path, confidence: f64) -> Result<Option<CurveFile>, Failure> {
+        if self.binary.is_some() || !CurveFile::is_one(path) {
+            return Ok(None);
+        }
+        let request = CurveRequest {
+            column: self.column.first().cloned(),
+            unit: self.unit.first().cloned(),
+            time_unit: self.time_unit.clone(),
+            confidence: Some(confidence).filter(|p| *p != 0.95),
+            errors: self.curve_interval,
+        };
+        Ok(Some(CurveFile::read(path, &request)?))
     }
 
     /// Reads a log as it was recorded.

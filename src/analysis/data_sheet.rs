@@ -104,6 +104,12 @@ impl Intervals {
 }
 
 impl DataSheet {
+    /// The noise of a curve that is of no record, by the fit to its points.
+    pub(crate) fn of_points(fit: Fit, unit: Unit) -> DataSheet {
+        let intervals = Intervals { records: 0, without: None };
+        DataSheet { rows: rows(&fit, unit), fit, intervals, events: vec![], is_hump: false }
+    }
+
     /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
     /// octaves of τ that they [describe](sagnac_records::fit::selection), with the intervals of
     /// [`Fitter::fit_realized`](sagnac_records::fit::Fitter::fit_realized) where records are simulated, by a simulator or by default

@@ -10,6 +10,7 @@ pub mod decision;
 pub mod design;
 pub mod dynamic;
 pub mod firmware;
+pub mod given_curve;
 mod jackknife;
 pub mod log;
 pub mod model;

@@ -5,6 +5,7 @@
 //!                                  ├─ Temperature: before and after compensation ─────┤
 //!                                  ├─ Dynamic ────────────────────────────────────────┤
 //!                                  └─ navigators ─────────────────────────────────────┘
+//! CurveFile ─────────────── fit_curve ─▶ given_curve::Analysis ─▶ Outcome
 //! two Logs, CompareRequest ─ compare_logs ─▶ Outcome
 //! Logs, BatchRequest ─────── BatchRequest::analyze ─▶ log::Analysis ─ compare_units ─▶ Outcome
 //! Log or noise.toml, ModelRequest ── model_noise ─▶ Outcome
@@ -16,6 +17,7 @@ use crate::analysis::batch::{Batch, BatchError};
 use crate::analysis::compare::logs::{self, CompareError, RatioLimit};
 use crate::analysis::data_sheet::Intervals;
 use crate::analysis::dynamic::{self, Dynamic, DynamicError};
+use crate::analysis::given_curve;
 use crate::analysis::log::report::heading;
 use crate::analysis::log::{self, NoiseRequest, Treatment, noise_file};
 use crate::analysis::model::tables::Models;
@@ -24,7 +26,7 @@ use crate::analysis::model::writers::{WRITERS, texts};
 use crate::analysis::model::{self, ModelError, ModelRequest};
 use crate::analysis::navigators::{self, NavigatorRequest, navigators};
 use crate::analysis::page::{
-    of_batch, of_comparison, of_dynamic, of_log, of_model, of_navigators, of_temperature,
+    of_batch, of_comparison, of_curve, of_dynamic, of_log, of_model, of_navigators, of_temperature,
 };
 use crate::analysis::requirement::{Limit, LimitError, applies, check};
 use crate::analysis::spectrum::{self, NoSpectrum, densities};
@@ -34,6 +36,7 @@ use crate::use_cases::Outcome;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_records::allan::{TauError, Taus, Trend};
 use sagnac_records::fit::Fitting;
+use sagnac_records::record::curve_file::CurveFile;
 use sagnac_records::record::log::Log;
 use sagnac_records::spectrum::{Density, Welch};
 
@@ -267,6 +270,28 @@ pub fn allan(
     if !analysis.spectra.is_empty() {
         outcome.tables.push(("psd.csv", spectrum::report::table(&analysis)));
     }
+    Ok(outcome)
+}
+
+/// Fits the coefficients of noise to a curve that was read from `path`.
+///
+/// # Errors
+/// The limits do not agree with each other, the fit or the unit of the curve.
+pub fn fit_curve(
+    file: CurveFile,
+    path: &Path,
+    fitting: Option<&Fitting>,
+    limits: &[Limit],
+) -> Result<Outcome, LogError> {
+    check_limits(limits, fitting)?;
+    applies(limits, &[file.unit])?;
+    let analysis = given_curve::Analysis::new(file, path, fitting);
+    let decision = analysis.decision(limits);
+    let mut page = of_curve(&analysis, decision.answer.clone());
+    page.tables.extend(decision.file());
+    let mut outcome = Outcome::new(analysis.heading(), page).among(ALLAN_FILES);
+    let noise = analysis.noise_file().map(|text| ("noise.toml".to_owned(), text.into_bytes()));
+    outcome.files = noise.into_iter().collect();
     Ok(outcome)
 }
 

@@ -17,7 +17,7 @@ use sagnac_report::page::document::{Document, Provenance, json};
 pub use convert::{Conversion, Converted, convert};
 pub use logs::{
     AllanRequest, BatchRequest, CompareRequest, LogError, ModelSource, Segments, allan, compare_logs,
-    compare_units, model_noise,
+    compare_units, fit_curve, model_noise,
 };
 #[cfg(feature = "store")]
 pub use merge::{MergeError, MergeOutcome, MergeRequest, absolute, check_places, merge, once};

@@ -37,6 +37,7 @@
 //! give the same digits on every machine, unlike a library that selects its kernels at run time.
 
 pub mod curve;
+pub mod points;
 pub mod regression;
 pub mod search;
 pub mod selection;

@@ -13,6 +13,7 @@
 pub mod binary;
 pub(crate) mod cells;
 pub(crate) mod column_file;
+pub mod curve_file;
 pub(crate) mod format;
 pub mod layout;
 pub mod log;

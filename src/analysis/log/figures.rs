@@ -276,7 +276,7 @@ fn parts(column: &Column, deviations: &[Deviation], terms: Vec<(Term, figure::Pa
 }
 
 /// A label such as `N = 0.003 °/√h`.
-fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
+pub(crate) fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
     let shown = |value: f64| significant(value, 3);
     let value = joined(&shown(factor * part.size), unit);
     // No-break spaces keep each value with its unit.

@@ -1,5 +1,7 @@
 //! `noise.toml`: the identified coefficients of a column, in the form that studies read.
 
+use std::path::Path;
+
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
 use sagnac_records::fit::Coefficient;
@@ -29,8 +31,13 @@ pub fn files(analysis: &Analysis) -> Vec<(String, String)> {
 
 /// Notes on columns whose noise no study can take, for the user.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
+    notes_of(&analysis.columns)
+}
+
+/// Those notes on some columns.
+pub(crate) fn notes_of(columns: &[Column]) -> Vec<String> {
     let without = |(unit, why): (Unit, &str)| {
-        let fitted = analysis.of_unit(unit).filter(|column| column.noise().is_some());
+        let fitted = columns.iter().filter(|column| column.unit == unit && column.noise().is_some());
         let names: Vec<&str> = fitted.map(|column| column.name.as_str()).collect();
         (!names.is_empty()).then(|| format!("{}: no noise.toml: {why}", names.join(", ")))
     };
@@ -60,16 +67,20 @@ pub(crate) fn names(columns: &[Column]) -> Vec<String> {
     names
 }
 
-/// The text for a column; `None` without coefficients, or if it is not of rotation.
+/// The text for a column of a log.
 fn text(analysis: &Analysis, column: &Column) -> Option<String> {
+    let (samples, step) = (analysis.samples, significant(analysis.step_s, 9));
+    text_of(column, &analysis.path, &format!("{samples} samples of {step} s"), &analysis.treatment.summary())
+}
+
+/// The text for a column of a file, with what it was fitted to and how; `None` without coefficients, or if it is not of rotation.
+pub(crate) fn text_of(column: &Column, path: &Path, data: &str, treatment: &str) -> Option<String> {
     let is_taken =
         |noise: &&DataSheet| noise.fit.is_described() || noise.rows.iter().any(|row| row.value.is_some());
     let noise = column.noise().filter(|_| column.unit == Unit::Angular).filter(is_taken)?;
-    let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
+    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let (name, file) = (one_line(&column.name), one_line(&file));
-    let (samples, step) = (analysis.samples, significant(analysis.step_s, 9));
-    let treatment = analysis.treatment.summary();
-    let mut text = format!("{START}{name} of {file}: {samples} samples of {step} s{FITTED}; {treatment}.\n");
+    let mut text = format!("{START}{name} of {file}: {data}{FITTED}; {treatment}.\n");
     text += &format!("# 95 % intervals {}.\n", noise.intervals.words());
     if !noise.fit.is_described() {
         text += "# Not described: no range of the curve follows these coefficients, which were forced.\n";

@@ -22,6 +22,13 @@ pub(crate) struct CurveRow<'a> {
     treatment: &'a str,
 }
 
+impl CurveRow<'_> {
+    /// A cell of a point of a record; blank for one of a curve that was read.
+    fn sampled(&self, cell: Cell) -> Cell {
+        if self.point.m == 0 { Cell::Blank } else { cell }
+    }
+}
+
 /// The columns of `curve.csv`, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
@@ -30,12 +37,12 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
         key(|row| text(&row.column.name)),
         Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
             .is(Role::Key, "The deviation, as `--deviation` names it."),
-        Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
-            .is(Role::Count, "Averaging factor in samples."),
+        Of::new("m", Unit::NONE, "m", |row| row.sampled(Cell::Integer(row.point.m as i64)))
+            .is(Role::Count, "Averaging factor in samples; blank of a curve that was read."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
-            .is(Role::Count, "Number of differences behind the value."),
+        Of::new("differences", Unit::NONE, "differences", |row| row.sampled(Cell::Integer(row.point.terms as i64)))
+            .is(Role::Count, "Number of differences behind the value; blank of a curve that was read."),
         Of::new("alpha", Unit::NONE, "alpha", |row| {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
         })
@@ -64,9 +71,13 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
 
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
-    let treatment = &analysis.treatment.summary();
+    curves(&analysis.columns, &analysis.treatment.summary())
+}
+
+/// The curves of some columns after a treatment.
+pub(crate) fn curves(columns: &[Column], treatment: &str) -> Table {
     let mut rows = Vec::new();
-    for column in &analysis.columns {
+    for column in columns {
         for curve in &column.curves {
             rows.extend(curve.points.iter().map(|point| CurveRow { column, curve, point, treatment }));
         }
@@ -135,7 +146,12 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
 
 /// The coefficients of all columns, each with the minimum of its curve: `coefficients.csv`.
 pub fn coefficients(analysis: &Analysis) -> Table {
-    let lines: Vec<Line> = analysis.columns.iter().flat_map(lines).collect();
+    coefficients_of(&analysis.columns)
+}
+
+/// The coefficients of some columns.
+pub(crate) fn coefficients_of(columns: &[Column]) -> Table {
+    let lines: Vec<Line> = columns.iter().flat_map(lines).collect();
     Table { columns: columns_of(&coefficient_columns(), &lines) }
 }
 

@@ -5,6 +5,7 @@
 //! Temperature ─ of_temperature ──┐
 //! Dynamic ─ of_dynamic ──────────┴▶ Sections ─┐
 //! Log, Analysis with its spectra ─────────────┴ of_log ─▶ Page
+//! a curve that was read ──────────────── of_curve ─▶ Page
 //! two Logs, their comparison ──────────── of_comparison ─▶ Page
 //! Batch, Design, Firmware ─── of_batch, of_design, of_filler ─▶ Page
 //! models for filters ─────────────────────────── of_model ─▶ Page
@@ -13,6 +14,7 @@
 //! ```
 
 mod comparison;
+mod curve;
 mod design;
 mod log;
 mod model;
@@ -21,6 +23,7 @@ mod spectrum;
 mod study;
 
 pub use crate::analysis::page::comparison::{of_batch, of_comparison};
+pub use crate::analysis::page::curve::of_curve;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::design::of_filler;
 pub use crate::analysis::page::design::of_sensitivity;

@@ -304,6 +304,10 @@ pub(super) fn to_meet(judged: &Judged, value: f64) -> Option<Fact> {
 
 /// The length of a record that decides the limit if the value stays.
 pub(super) fn to_decide(judged: &Judged, value: f64, [low, high]: [f64; 2]) -> Option<Fact> {
+    // A curve that was read is of no record that could be longer.
+    if judged.subject.samples == 0 {
+        return None;
+    }
     let limit = judged.limit.value;
     let factor = match judged.of() {
         Limited::Coefficient(Term::Quantization | Term::AngleRandomWalk) | Limited::Floor => {

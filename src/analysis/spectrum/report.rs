@@ -11,6 +11,7 @@ use sagnac_base::quantity::number::{joined, significant};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{self, Deviation, Unit as Curves};
+use sagnac_records::fit::Fit;
 use sagnac_records::spectrum::{Line, Point};
 use sagnac_report::answer::{Fact, Reading};
 use sagnac_report::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
@@ -18,6 +19,16 @@ use sagnac_theory::allan::{Part, Term, density};
 
 /// Most events that are named; the page has all.
 const MAX_EVENTS: usize = 3;
+
+/// How well a fit describes its curve.
+pub(crate) fn of_fit(fit: &Fit) -> Fact {
+    Fact::Fit {
+        tau_s: fit.tau_range,
+        chi_squared: fit.chi_squared,
+        degrees_of_freedom: fit.degrees_of_freedom,
+        p: fit.p_value(),
+    }
+}
 
 impl Analysis {
     /// The answer of the log: its coefficients, the minima of its curves, and N of its densities where there are some.
@@ -30,12 +41,7 @@ impl Analysis {
         let facts = &mut decision.answer.facts;
         if let [column] = &self.noise.columns[..] {
             let fit = column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described());
-            facts.extend(fit.map(|fit| Fact::Fit {
-                tau_s: fit.tau_range,
-                chi_squared: fit.chi_squared,
-                degrees_of_freedom: fit.degrees_of_freedom,
-                p: fit.p_value(),
-            }));
+            facts.extend(fit.map(of_fit));
         }
         facts.extend(self.highest_line());
         facts.extend(self.events());

@@ -5,7 +5,7 @@ use crate::allan::{Angles, Deviation, Overdispersion, Point, curve};
 use crate::fit::search::{Fitted, dot};
 use crate::fit::uncertainty::Variance;
 use sagnac_theory::allan::gaussian::{self, Components};
-use sagnac_theory::allan::{Difference, Estimator, Process, Term, flicker};
+use sagnac_theory::allan::{Difference, Estimator, Process, Term, continuous_variance, flicker};
 use sagnac_theory::cholesky;
 
 /// Estimates of one record, or their mean over many.
@@ -20,6 +20,8 @@ pub struct Curve {
     spread: Overdispersion,
     /// Standard deviation of each estimate over that of a record without gaps.
     costs: Vec<f64>,
+    /// Averaging times of points that are of no record, s; empty for a record.
+    taus_s: Vec<f64>,
 }
 
 /// Why a curve cannot be fitted.
@@ -108,7 +110,33 @@ impl Curve {
         }
         let octaves = flicker::octaves(samples).ok_or(FitError::TooManySamples(samples))?;
         let (spread, costs) = (Overdispersion::default(), vec![1.0; ms.len()]);
-        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread, costs })
+        let taus_s = vec![];
+        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread, costs, taus_s })
+    }
+
+    /// The Allan variances, (″/s)², at averaging times that rise, s, of noise that is not sampled. The covariance of its points must be
+    /// given, for only that of a record follows from its noise.
+    ///
+    /// # Errors
+    /// The lists differ in length, values are not above 0, or times do not rise from above 0.
+    pub fn of_points(taus_s: Vec<f64>, variances: Vec<f64>) -> Result<Curve, FitError> {
+        let ms: Vec<u64> = (1..=taus_s.len() as u64).collect();
+        check(&ms, &variances)?;
+        let rises = |pair: (&f64, &f64)| pair.0 < pair.1;
+        match std::iter::once(&0.0).chain(&taus_s).zip(&taus_s).position(|pair| !rises(pair)) {
+            Some(place) => Err(FitError::NotAscending(place as u64 + 1)),
+            None => Ok(Curve {
+                sample_s: taus_s.first().copied().unwrap_or(1.0),
+                samples: 0,
+                difference: Difference::Second,
+                costs: vec![1.0; ms.len()],
+                spread: Overdispersion::default(),
+                octaves: 1,
+                ms,
+                variances,
+                taus_s,
+            }),
+        }
     }
 
     /// The curve of a record whose gaps leave these parts of the degrees of freedom.
@@ -142,6 +170,7 @@ impl Curve {
             variances: self.variances[start..].to_vec(),
             spread: self.spread.clone(),
             costs: self.costs[start..].to_vec(),
+            taus_s: self.taus_s.get(start..).unwrap_or_default().to_vec(),
             ..*self
         }
     }
@@ -178,6 +207,9 @@ impl Curve {
 
     /// Shortest and longest τ, s.
     pub fn tau_range(&self) -> [f64; 2] {
+        if let [first, .., last] = self.taus_s[..] {
+            return [first, last];
+        }
         [self.ms.first(), self.ms.last()].map(|m| self.sample_s * m.copied().unwrap_or(1) as f64)
     }
 
@@ -185,6 +217,10 @@ impl Curve {
     /// sine.
     pub fn of_term(&self, term: Term, square: f64, shape: f64) -> Vec<f64> {
         let process = self.process(&[(term, square, shape)]);
+        if !self.taus_s.is_empty() {
+            let at = |&tau_s: &f64| process.parts.iter().filter_map(|part| continuous_variance(part, tau_s)).sum();
+            return self.taus_s.iter().map(at).collect();
+        }
         let estimator = Estimator { difference: self.difference, ..Estimator::OVERLAPPING };
         let at = |&m: &u64| process.expected(estimator, self.samples, m).unwrap_or(f64::NAN);
         self.ms.iter().map(at).collect()
@@ -277,6 +313,16 @@ impl Covariance {
         };
         let factor = OWN.iter().find_map(with_own).ok_or(FitError::NotDefinite)?;
         Ok(Covariance { rows, deviations, factor })
+    }
+
+    /// The covariance of independent points with these standard deviations, (″/s)².
+    ///
+    /// # Errors
+    /// A deviation is not above 0.
+    pub fn of_deviations(deviations: &[f64]) -> Result<Covariance, FitError> {
+        let points = deviations.len();
+        let cell = |i: usize, j: usize| if i == j { deviations[i] * deviations[i] } else { 0.0 };
+        Covariance::new((0..points).map(|i| (0..points).map(|j| cell(i, j)).collect()).collect())
     }
 
     /// The covariance of the overlapping estimates of one record of a Gaussian process, in closed form; see

@@ -1,0 +1,648 @@
+//! Curves as files: averaging times with Allan deviations, as data sheets, papers and other tools give them.
+//!
+//! A curve has a header with a column of averaging times (`tau`, `taus`) and one of deviations (`adev`, `oadev`, `sigma`, `dev`), and
+//! may have the ends of intervals, standard errors, or numbers of differences. Read are tables with commas, semicolons, tabs or
+//! blanks, those that Stable32 writes, and the `curve.csv` of `sagnac allan`.
+
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+use crate::allan::{Deviation, Unit as Curves};
+use crate::record::RecordError;
+use crate::record::log::measure::{Data, Unit};
+use crate::record::names::{Name, unit_of};
+use sagnac_base::diagnostics::{Place, choices, decoded};
+use sagnac_base::quantity::Dimension;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::text_file::{open, read_bytes};
+
+/// Bytes that no file of a curve has, and lines among which its header is.
+const MAX_BYTES: u64 = 16 << 20;
+const MAX_LINES: usize = 64;
+/// Bytes among which the header is.
+const HEAD: u64 = 64 << 10;
+/// Names of times, which a log has and a curve has not.
+const TIMES: [&str; 4] = ["time", "t", "timestamp", "stamp"];
+/// Standard errors from the middle to the ends of a 95 % interval.
+const SIDE: f64 = 1.959_963_984_540_054;
+/// Half the 95 % interval that points get of which nothing is known, in parts of their values.
+const ASSUMED: f64 = 0.1;
+/// Fewest points of a curve.
+const MIN_POINTS: usize = 3;
+
+const TAUS: [&str; 6] = ["tau", "taus", "τ", "averagingtime", "averagingtimes", "clustertime"];
+const DEVIATIONS: [(&str, Deviation); 24] = [
+    ("overlappingallandeviation", Deviation::Oadev),
+    ("modifiedallandeviation", Deviation::Mdev),
+    ("hadamarddeviation", Deviation::Hdev),
+    ("allandeviation", Deviation::Adev),
+    ("timedeviation", Deviation::Tdev),
+    ("hadamardsig", Deviation::Hdev),
+    ("deviation", Deviation::Adev),
+    ("modsigma", Deviation::Mdev),
+    ("sigmatau", Deviation::Adev),
+    ("allandev", Deviation::Adev),
+    ("ohdev", Deviation::Ohdev),
+    ("oadev", Deviation::Oadev),
+    ("madev", Deviation::Mdev),
+    ("sigma", Deviation::Adev),
+    ("value", Deviation::Adev),
+    ("adev", Deviation::Adev),
+    ("hdev", Deviation::Hdev),
+    ("mdev", Deviation::Mdev),
+    ("tdev", Deviation::Tdev),
+    ("devs", Deviation::Adev),
+    ("dev", Deviation::Adev),
+    ("στ", Deviation::Adev),
+    ("σ", Deviation::Adev),
+    ("ad", Deviation::Adev),
+];
+const LOWER: [&str; 9] =
+    ["lower", "low", "lo", "min", "lowerbound", "lowerlimit", "lb", "cilow", "cilower"];
+const UPPER: [&str; 9] =
+    ["upper", "high", "hi", "max", "upperbound", "upperlimit", "ub", "cihigh", "ciupper"];
+const ERRORS: [&str; 10] = [
+    "err", "errs", "error", "errors", "std", "stddev", "stderr", "standarderror", "uncertainty", "se",
+];
+const COUNTS: [&str; 6] = ["n", "ns", "#", "count", "counts", "differences"];
+
+/// A curve that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveFile {
+    /// Name of the deviation in the file.
+    pub name: String,
+    /// The unit of the points.
+    pub unit: Curves,
+    /// The deviation, which is an Allan deviation.
+    pub deviation: Deviation,
+    /// The points by rising τ.
+    pub points: Vec<CurvePoint>,
+    /// Source of the errors of the points, as part of a sentence, such as `from the intervals of the file`.
+    pub errors: String,
+    /// Whether the errors are assumed, because the file states none.
+    pub is_assumed: bool,
+    /// What was inferred about the file, in a line each.
+    pub notes: Vec<String>,
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// Averaging time, s.
+    pub tau_s: f64,
+    /// Deviation in the unit of the curve.
+    pub value: f64,
+    /// Standard error of the deviation in parts of it.
+    pub error: f64,
+    /// The 95 % interval of the deviation.
+    pub interval: [f64; 2],
+}
+
+/// How a file of a curve is to be read.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CurveRequest {
+    /// The column of the deviations, or in a `curve.csv` the column of its log; if absent, the only one.
+    pub column: Option<String>,
+    /// The unit of the deviations; if absent, that in the header.
+    pub unit: Option<String>,
+    /// The unit of the averaging times; if absent, that in the header, or s.
+    pub time_unit: Option<String>,
+    /// Probability of the intervals that the file states; if absent, what the file says, or 0.95.
+    pub confidence: Option<f64>,
+    /// The errors of the points, in place of those that the file states.
+    pub errors: Option<Errors>,
+}
+
+/// The errors of points, as a user gives them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Errors {
+    /// Half the 95 % interval of each deviation, in parts of it.
+    Part(f64),
+    /// Those of a record of this length, s.
+    Record(f64),
+}
+
+/// Signs between cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Delimiter {
+    Sign(char),
+    /// Two and more blanks; names may contain one.
+    Wide,
+    Blank,
+}
+
+/// A line with its number from 1.
+struct Line<'t> {
+    number: usize,
+    text: &'t str,
+}
+
+impl Line<'_> {
+    /// The cells without blanks and quotes around them.
+    fn cells(&self, delimiter: Delimiter) -> Vec<Range<usize>> {
+        let mut cells = vec![];
+        let (mut start, mut is_quoted) = (0, false);
+        let is_blank = |at: usize| matches!(self.text.as_bytes().get(at), Some(b' ' | b'\t'));
+        for (at, sign) in self.text.char_indices() {
+            is_quoted ^= sign == '"';
+            let ends = match delimiter {
+                Delimiter::Sign(delimiter) => sign == delimiter,
+                Delimiter::Blank => is_blank(at),
+                Delimiter::Wide => is_blank(at) && (is_blank(at + 1) || at > 0 && is_blank(at - 1)),
+            };
+            if ends && !is_quoted {
+                cells.push(start..at);
+                start = at + sign.len_utf8();
+            }
+        }
+        cells.push(start..self.text.len());
+        let trimmed = |cell: Range<usize>| {
+            let text = &self.text[cell.clone()];
+            let inner = text.trim_matches([' ', '\t', '"', '\r']);
+            let from = cell.start + (text.len() - text.trim_start_matches([' ', '\t', '"', '\r']).len());
+            from.min(cell.end)..(from + inner.len()).min(cell.end)
+        };
+        let cells = cells.into_iter().map(trimmed);
+        match delimiter {
+            Delimiter::Sign(_) => cells.collect(),
+            _ => cells.filter(|cell| !cell.is_empty()).collect(),
+        }
+    }
+}
+
+/// The header of a curve.
+struct Header<'t> {
+    line: Line<'t>,
+    delimiter: Delimiter,
+    names: Vec<Name>,
+    cells: Vec<Range<usize>>,
+    tau: usize,
+}
+
+impl<'t> Header<'t> {
+    /// The header of a text, if it has one with a column of averaging times.
+    fn find(text: &'t str) -> Option<Header<'t>> {
+        text.lines().zip(1..).take(MAX_LINES).find_map(|(text, number)| {
+            let shown = text.trim_start_matches(['\u{feff}', '#', '%', ' ', '\t']);
+            let line = || Line { number, text: shown };
+            let kinds = [
+                Delimiter::Sign(';'),
+                Delimiter::Sign('\t'),
+                Delimiter::Sign(','),
+                Delimiter::Wide,
+                Delimiter::Blank,
+            ];
+            kinds.into_iter().find_map(|delimiter| {
+                let cells = line().cells(delimiter);
+                let names: Vec<Name> = cells.iter().map(|cell| Name::read(&shown[cell.clone()])).collect();
+                let tau = names.iter().position(|name| TAUS.contains(&&*plain(&name.bare)))?;
+                (names.len() > 1).then(|| Header { line: line(), delimiter, names, cells, tau })
+            })
+        })
+    }
+
+    fn place(&self, file: &str, column: usize) -> Place {
+        Place::new(file, self.line.number, self.line.text.as_bytes(), self.cells[column].clone())
+    }
+
+    /// The columns that `is` holds for.
+    fn columns(&self, is: impl Fn(&str) -> bool) -> Vec<usize> {
+        (0..self.names.len()).filter(|&i| i != self.tau && is(&plain(&self.names[i].bare))).collect()
+    }
+
+    /// The column beside the deviations called by one of these words, alone or with a name of a deviation.
+    fn beside(&self, words: &[&str]) -> Option<usize> {
+        let is = |name: &str| {
+            let without = |(known, _): &(&str, Deviation)| {
+                name.strip_prefix(known).or(name.strip_suffix(known)).is_some_and(|rest| words.contains(&rest))
+            };
+            words.contains(&name) || DEVIATIONS.iter().any(|known| without(known))
+        };
+        self.columns(is).first().copied()
+    }
+}
+
+/// A name in small letters, without signs.
+fn plain(name: &str) -> String {
+    let name = name.trim();
+    if name == "#" {
+        return name.to_owned();
+    }
+    name.chars().filter(|sign| sign.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+fn deviation_of(name: &str) -> Option<Deviation> {
+    DEVIATIONS.iter().find(|(known, _)| *known == plain(name)).map(|(_, deviation)| *deviation)
+}
+
+impl CurveFile {
+    /// Whether the file at `path` has a curve: a header with a column of averaging times and none of times. Of a file that cannot be
+    /// read this says no.
+    pub fn is_one(path: &Path) -> bool {
+        let mut head = vec![];
+        let read = open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+        let text = decoded(&head);
+        let is_curve = |header: Header| header.columns(|name| TIMES.contains(&name)).is_empty();
+        read.is_ok() && Header::find(&text).is_some_and(is_curve)
+    }
+
+    /// Reads the curve at `path`.
+    ///
+    /// # Errors
+    /// The first fault found, with its place: no such column, no unit, a deviation that is no Allan deviation, a cell that is no
+    /// number, an interval without its value, times that are not positive or occur twice, or too few points.
+    pub fn read(path: &Path, request: &CurveRequest) -> Result<CurveFile, RecordError> {
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let bytes = read_bytes(path, MAX_BYTES)
+            .map_err(|error| RecordError::unreadable(&path.display().to_string(), &error))?;
+        CurveFile::parse(&file, &decoded(&bytes), request)
+    }
+
+    /// Reads the curve in a `text`; `file` is the name in messages.
+    ///
+    /// # Errors
+    /// It fails where [`CurveFile::read`] does.
+    ///
+    /// # Example
+    /// ```
+    /// use sagnac_records::record::curve_file::{CurveFile, CurveRequest};
+    ///
+    /// let text = "tau [s], adev [deg/h], err\n1, 0.3, 0.01\n10, 0.1, 0.01\n100, 0.03, 0.01\n";
+    /// let curve = CurveFile::parse("gyro.csv", text, &CurveRequest::default()).unwrap();
+    /// assert_eq!((curve.points[1].tau_s, curve.points[1].value), (10.0, 0.1));
+    /// ```
+    pub fn parse(file: &str, text: &str, request: &CurveRequest) -> Result<CurveFile, RecordError> {
+        let Some(header) = Header::find(text) else {
+            let help = "name the columns, as in `tau [s], adev [deg/h]`";
+            return Err(RecordError::new(format!("{file} is no curve: it has no column `tau`"), "", help, None));
+        };
+        Reader { file, text, header, request }.read()
+    }
+}
+
+struct Reader<'t> {
+    file: &'t str,
+    text: &'t str,
+    header: Header<'t>,
+    request: &'t CurveRequest,
+}
+
+/// A row of numbers; those that are missing are NaN.
+struct Row {
+    tau_s: f64,
+    value: f64,
+    ends: [f64; 2],
+    error: f64,
+    count: f64,
+    at: (usize, String),
+}
+
+impl Reader<'_> {
+    fn read(&self) -> Result<CurveFile, RecordError> {
+        let (header, request) = (&self.header, self.request);
+        let own = self.own_columns();
+        let value = if own.is_some() { self.named("value") } else { None };
+        let value = value.map_or_else(|| self.value(), Ok)?;
+        let mut lines = self.lines();
+        let mut name = header.names[value].bare.clone();
+        let mut deviation = self.deviation(value);
+        let mut unit = request.unit.clone().or(header.names[value].unit.clone());
+        if let Some(own) = &own {
+            let chosen;
+            (lines, name, deviation, chosen) = self.of_own(lines, own)?;
+            unit = unit.or(Some(chosen).filter(|unit| !unit.is_empty())).or(Some("none".to_owned()));
+        }
+        if !matches!(deviation, Deviation::Adev | Deviation::Oadev) {
+            let message = format!("`{name}` is a {}", deviation.title());
+            let help = "a fit needs an Allan deviation, adev or oadev";
+            return Err(RecordError::new(message, "no Allan deviation", help, self.header.place(self.file, value)));
+        }
+        // A line below the header may have units.
+        let mut tau_unit = request.time_unit.clone().or(header.names[header.tau].unit.clone());
+        if let Some(cell) = lines.first().and_then(|line| self.cell(line, header.tau))
+            && number(cell).is_none()
+            && unit_of(cell.trim_matches(['[', ']', '(', ')']), &[Dimension::Time]).is_ok()
+        {
+            let line = lines.remove(0);
+            let below = |column| self.cell(&line, column).map(|cell| cell.trim_matches(['[', ']', '(', ')']).to_owned());
+            tau_unit = tau_unit.or(below(header.tau));
+            unit = unit.or(below(value));
+        }
+        let unit = self.unit(unit, value)?;
+        let tau_size = match &tau_unit {
+            None => 1.0,
+            Some(text) => unit_of(text, &[Dimension::Time]).map_err(|error| {
+                let message = format!("the unit of `{}`: {error}", header.names[header.tau].whole);
+                RecordError::new(message, "", "accepted: s, ms, us, min, h", header.place(self.file, header.tau))
+            })?.0,
+        };
+        let is_count = own.is_none();
+        let columns = [
+            Some(header.tau),
+            Some(value),
+            header.beside(&LOWER),
+            header.beside(&UPPER),
+            header.beside(&ERRORS).filter(|&column| column != value),
+            header.beside(&COUNTS).filter(|_| is_count),
+        ];
+        let mut rows = lines.iter().map(|line| self.row(line, columns)).collect::<Result<Vec<Row>, _>>()?;
+        for row in &mut rows {
+            row.tau_s *= tau_size;
+            row.value *= unit.factor;
+            row.error *= unit.factor;
+            row.ends = row.ends.map(|end| end * unit.factor);
+        }
+        rows.retain(|row| row.value > 0.0);
+        self.check(&mut rows)?;
+        let (errors, source, is_assumed) = self.errors(&rows);
+        let mut notes = vec![format!("read as a curve, not as a log: {} points of `{name}`", rows.len())];
+        if tau_unit.is_none() {
+            notes.push("the averaging times are taken in s".to_owned());
+        }
+        if is_assumed {
+            notes.push(format!("the errors of the points are assumed: {source}"));
+        } else {
+            notes.push(format!("the errors of the points are {source}"));
+        }
+        let known = errors.iter().filter(|error| error.is_some()).count();
+        if known < rows.len() {
+            notes.push(format!("{} points without an interval are left out", rows.len() - known));
+        }
+        let point = |(row, error): (&Row, Option<f64>)| {
+            let (error, stated) = (error?, row.ends[0] > 0.0 && !is_assumed && request.confidence.is_none());
+            let factor = libm::exp(SIDE * error);
+            let interval = match stated && self.confidence() == 0.95 {
+                true => row.ends,
+                false => [row.value / factor, row.value * factor],
+            };
+            Some(CurvePoint { tau_s: row.tau_s, value: row.value, error, interval })
+        };
+        let points = rows.iter().zip(errors).filter_map(point).collect();
+        Ok(CurveFile { name, unit: unit.curves, deviation, points, errors: source, is_assumed, notes })
+    }
+
+    /// The column with this name.
+    fn named(&self, name: &str) -> Option<usize> {
+        self.header.columns(|other| other == name).first().copied()
+    }
+
+    /// The columns of texts in a `curve.csv` of `sagnac allan`: column, deviation and unit.
+    fn own_columns(&self) -> Option<[usize; 3]> {
+        let at = |name: &str| self.header.names.iter().position(|other| other.whole == name);
+        at("value")?;
+        Some([at("column")?, at("deviation")?, at("unit")?])
+    }
+
+    /// The lines of one curve among those of a `curve.csv`, with its name, deviation and unit.
+    fn of_own<'t>(
+        &self,
+        lines: Vec<Line<'t>>,
+        [column, deviation, unit]: &[usize; 3],
+    ) -> Result<(Vec<Line<'t>>, String, Deviation, String), RecordError> {
+        let texts = |line: &Line, at: usize| self.cell(line, at).unwrap_or_default().to_owned();
+        let mut names: Vec<String> = vec![];
+        for line in &lines {
+            let name = texts(line, *column);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let wanted = self.request.column.as_ref();
+        let name = match (wanted, &names[..]) {
+            (None, [only]) => only.clone(),
+            (Some(wanted), _) if names.contains(wanted) => wanted.clone(),
+            _ => return Err(self.several(&names)),
+        };
+        let is_of = |line: &Line, kind: Deviation| {
+            texts(line, *column) == name && texts(line, *deviation) == kind.name()
+        };
+        let has = |kind: &Deviation| lines.iter().any(|line| is_of(line, *kind));
+        let all = [Deviation::Oadev, Deviation::Adev, Deviation::Ohdev, Deviation::Hdev, Deviation::Mdev];
+        let kind = all.into_iter().find(has).unwrap_or(Deviation::Tdev);
+        let lines: Vec<Line> = lines.into_iter().filter(|line| is_of(line, kind)).collect();
+        let unit = lines.first().map(|line| texts(line, *unit)).unwrap_or_default();
+        Ok((lines, name, kind, unit))
+    }
+
+    fn several(&self, names: &[String]) -> RecordError {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        match &self.request.column {
+            Some(wanted) => {
+                let message = format!("no curve is called `{wanted}`");
+                RecordError::new(message, "", choices(wanted, &names), None)
+            }
+            None => {
+                let message = format!("{} has several curves: {}", self.file, names.join(", "));
+                let help = format!("choose one, as in `column = {}`", names.first().unwrap_or(&""));
+                RecordError::new(message, "", help, None)
+            }
+        }
+    }
+
+    /// The column of the deviations.
+    fn value(&self) -> Result<usize, RecordError> {
+        let header = &self.header;
+        if let Some(word) = &self.request.column {
+            let is_meant = |name: &Name| name.bare.eq_ignore_ascii_case(word) || name.whole == *word;
+            let by_number = || word.parse::<usize>().ok()?.checked_sub(1).filter(|&i| i < header.names.len());
+            let found = header.names.iter().position(is_meant).or_else(by_number);
+            return found.ok_or_else(|| {
+                self.several(&header.names.iter().map(|name| name.bare.clone()).collect::<Vec<_>>())
+            });
+        }
+        let found = header.columns(|name| DEVIATIONS.iter().any(|(known, _)| *known == name));
+        let usable = |column: &&usize| matches!(self.deviation(**column), Deviation::Adev | Deviation::Oadev);
+        let allan: Vec<usize> = found.iter().filter(usable).copied().collect();
+        match (&allan[..], &found[..]) {
+            ([only], _) | ([], [only, ..]) => Ok(*only),
+            ([], []) => {
+                // A file of two columns has no other.
+                let others: Vec<usize> = (0..header.names.len()).filter(|&i| i != header.tau).collect();
+                if let [only] = others[..] {
+                    return Ok(only);
+                }
+                Err(self.several(&others.iter().map(|&i| header.names[i].bare.clone()).collect::<Vec<_>>()))
+            }
+            (several, _) => {
+                Err(self.several(&several.iter().map(|&i| header.names[i].bare.clone()).collect::<Vec<_>>()))
+            }
+        }
+    }
+
+    /// The deviation of a column by its name, or by what Stable32 states above.
+    fn deviation(&self, column: usize) -> Deviation {
+        let kind = self.stated("Sigma Type:").unwrap_or_default().to_lowercase();
+        match deviation_of(&self.header.names[column].bare) {
+            Some(Deviation::Adev) if kind.contains("hadamard") => Deviation::Hdev,
+            Some(Deviation::Adev) if kind.starts_with("modified") => Deviation::Mdev,
+            Some(Deviation::Adev) if kind.starts_with("overlapping") => Deviation::Oadev,
+            Some(Deviation::Adev) if kind.starts_with("time") => Deviation::Tdev,
+            found => found.unwrap_or(Deviation::Adev),
+        }
+    }
+
+    /// The text behind some words above the header.
+    fn stated(&self, words: &str) -> Option<&str> {
+        let above = self.text.lines().take(self.header.line.number);
+        above.into_iter().find_map(|line| Some(line.trim_start().strip_prefix(words)?.trim()))
+    }
+
+    /// Probability of the intervals of the file.
+    fn confidence(&self) -> f64 {
+        let stated = || {
+            let text = self.stated("Confidence Factor")?.trim_start_matches([' ', '=']);
+            text.parse().ok().filter(|p: &f64| *p > 0.0 && *p < 1.0)
+        };
+        self.request.confidence.or_else(stated).unwrap_or(0.95)
+    }
+
+    fn unit(&self, unit: Option<String>, value: usize) -> Result<Unit, RecordError> {
+        let name = &self.header.names[value].whole;
+        let refused = |message: String, label: &str, help: &str| {
+            RecordError::new(message, label, help, self.header.place(self.file, value))
+        };
+        let help = "write it in the header, as in `adev [deg/h]`, or give it, as in `unit = deg/h`; `unit = none` for plain numbers";
+        let unit = unit.ok_or_else(|| refused(format!("`{name}` has no unit"), "its unit is missing", help))?;
+        Unit::parse(&unit, Data::Rate).map_err(|wrong| refused(wrong.message, "of this column", &wrong.help))
+    }
+
+    /// The lines below the header with something to read.
+    fn lines(&self) -> Vec<Line<'_>> {
+        let lines = self.text.lines().zip(1..).skip(self.header.line.number);
+        let is_row = |line: &Line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with(['#', '%']);
+        lines.map(|(text, number)| Line { number, text }).filter(is_row).collect()
+    }
+
+    /// Signs between the cells of rows: any blanks, where names are divided by several.
+    fn cells(&self, line: &Line) -> Vec<Range<usize>> {
+        line.cells(match self.header.delimiter {
+            Delimiter::Wide => Delimiter::Blank,
+            delimiter => delimiter,
+        })
+    }
+
+    fn cell<'l>(&self, line: &Line<'l>, column: usize) -> Option<&'l str> {
+        self.cells(line).get(column).map(|cell| &line.text[cell.clone()])
+    }
+
+    fn row(&self, line: &Line, columns: [Option<usize>; 6]) -> Result<Row, RecordError> {
+        let cells = self.cells(line);
+        let refused = |span: Range<usize>, message: String, label: &str, help: &str| {
+            let place = Place::new(self.file, line.number, line.text.as_bytes(), span);
+            RecordError::new(message, label, help, place)
+        };
+        let mut numbers = [f64::NAN; 6];
+        for (found, column) in numbers.iter_mut().zip(columns) {
+            let Some(column) = column else { continue };
+            let Some(cell) = cells.get(column) else {
+                let message = format!("this row has {} cells, the header has {}", cells.len(), self.header.names.len());
+                return Err(refused(0..line.text.len(), message, "too short", "give every row a cell for each column"));
+            };
+            let text = &line.text[cell.clone()];
+            if text.is_empty() || text.eq_ignore_ascii_case("nan") {
+                continue;
+            }
+            *found = number(text).ok_or_else(|| {
+                let message = format!("\"{text}\" is not a number");
+                refused(cell.clone(), message, "in this row", "write numbers, and leave a cell empty where one is missing")
+            })?;
+        }
+        let [tau_s, value, lower, upper, error, count] = numbers;
+        let tau = cells[self.header.tau].clone();
+        if tau_s.is_nan() || tau_s <= 0.0 || tau_s.is_infinite() {
+            return Err(refused(tau, "an averaging time is not positive".to_owned(), "here", "every point needs its τ"));
+        }
+        if lower > 0.0 && upper > 0.0 && !(lower <= value && value <= upper) {
+            let help = "lower and upper are the ends of an interval around the deviation, not distances from it";
+            let cell = columns[1].map_or(0..0, |column| cells[column].clone());
+            return Err(refused(cell, format!("{value} is outside its interval {lower} to {upper}"), "this value", help));
+        }
+        Ok(Row { tau_s, value, ends: [lower, upper], error, count, at: (line.number, line.text.to_owned()) })
+    }
+
+    /// Sorts the rows by τ, of which none may occur twice.
+    fn check(&self, rows: &mut [Row]) -> Result<(), RecordError> {
+        rows.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
+        if let Some(pair) = rows.windows(2).find(|pair| pair[1].tau_s <= pair[0].tau_s * (1.0 + 1e-9)) {
+            let (number, text) = &pair[1].at;
+            let place = Place::new(self.file, *number, text.as_bytes(), 0..text.len());
+            let message = format!("τ = {} s occurs twice", significant(pair[1].tau_s, 6));
+            let help = "give each curve its column, or each point one row";
+            return Err(RecordError::new(message, "this row", help, place));
+        }
+        if rows.len() < MIN_POINTS {
+            let message = format!("{} has {} points, a fit needs at least {MIN_POINTS}", self.file, rows.len());
+            return Err(RecordError::new(message, "", "add rows, each with τ and its deviation", None));
+        }
+        Ok(())
+    }
+
+    /// The standard error of each point in parts of it, if it has one, their source, and whether they are assumed.
+    fn errors(&self, rows: &[Row]) -> (Vec<Option<f64>>, String, bool) {
+        let of_record = |length_s: f64| {
+            // A variance from T/τ groups has a relative variance of about 2τ/T.
+            let error = move |row: &Row| Some(libm::sqrt(0.5 * row.tau_s / length_s));
+            rows.iter().map(error).collect::<Vec<_>>()
+        };
+        let shown = |length_s: f64| significant(length_s, 4);
+        match self.request.errors {
+            Some(Errors::Part(part)) => {
+                let percent = significant(100.0 * part, 3);
+                return (vec![Some(part / SIDE); rows.len()], format!("95 % intervals of ±{percent} %, as given"), true);
+            }
+            Some(Errors::Record(length_s)) => {
+                return (of_record(length_s), format!("those of a record of {} s, as given", shown(length_s)), true);
+            }
+            None => {}
+        }
+        let confidence = self.confidence();
+        let side = crate::allan::distributions::normal_quantile(0.5 + 0.5 * confidence);
+        let by_ends = |row: &Row| {
+            let [lower, upper] = row.ends;
+            (lower > 0.0 && upper > lower).then(|| 0.5 * libm::log(upper / lower) / side)
+        };
+        let by_error = |row: &Row| (row.error > 0.0).then(|| row.error / row.value);
+        let percent = significant(100.0 * confidence, 3);
+        let sources: [(Vec<Option<f64>>, String); 2] = [
+            (rows.iter().map(by_ends).collect(), format!("from the intervals of the file, taken as {percent} %")),
+            (rows.iter().map(by_error).collect(), "those of the file, taken as standard errors".to_owned()),
+        ];
+        for (errors, source) in sources {
+            if errors.iter().flatten().count() >= MIN_POINTS {
+                return (errors, source, false);
+            }
+        }
+        match length_of(rows) {
+            Some(length_s) => {
+                let source = format!("those of a record of {} s, by the numbers of differences", shown(length_s));
+                (of_record(length_s), source, true)
+            }
+            None => {
+                let source = "95 % intervals of ±10 %; `curve_interval = 5%`, or the length of the record, as in `curve_interval = 9h`, \
+                              gives others";
+                (vec![Some(ASSUMED / SIDE); rows.len()], source.to_owned(), true)
+            }
+        }
+    }
+}
+
+/// Length of the record of a curve by its numbers of differences, s: those of overlapping groups fall along a line, N − 2m, and others
+/// as 1/τ.
+fn length_of(rows: &[Row]) -> Option<f64> {
+    let (first, last) = (rows.first()?, rows.last()?);
+    if !(first.count > last.count && last.count >= 1.0) {
+        return None;
+    }
+    let turns = (first.count + 1.0) * first.tau_s / ((last.count + 1.0) * last.tau_s);
+    if (0.5..2.0).contains(&turns) {
+        return Some((first.count + 1.0) * first.tau_s);
+    }
+    let step_s = 2.0 * (last.tau_s - first.tau_s) / (first.count - last.count);
+    Some((first.count - 1.0) * step_s + 2.0 * first.tau_s)
+}
+
+/// A number, with a point or a comma before its decimals.
+fn number(text: &str) -> Option<f64> {
+    text.parse().or_else(|_| text.replace(',', ".").parse()).ok().filter(|number: &f64| !number.is_infinite())
+}

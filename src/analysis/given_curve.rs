@@ -1,0 +1,267 @@
+//! The noise of a curve that was read from a file instead of computed from a log: coefficients, answer and charts.
+
+use std::path::{Path, PathBuf};
+
+use crate::analysis::data_sheet::DataSheet;
+use crate::analysis::log::figures::{along, label};
+use crate::analysis::log::report::{curves, coefficients_of, in_run_bias_stability};
+use crate::analysis::log::{Column, Curve, noise_file};
+use crate::analysis::requirement::{Decision, Limit, Subject, decide};
+use crate::analysis::spectrum::report::of_fit;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::Table;
+use sagnac_engine::key::sweep::Scale;
+use sagnac_records::allan::{Minimum, Overdispersion, Point, Supposed};
+use sagnac_records::fit::points::fit_points;
+use sagnac_records::fit::{Fit, Fitting, Quantity};
+use sagnac_records::record::curve_file::{CurveFile, CurvePoint};
+use sagnac_records::record::log::outliers::Outliers;
+use sagnac_report::answer::Fact;
+use sagnac_report::chart::figure::{self, Axis, Figure, Mark, Parts, Series, SeriesPoint};
+use sagnac_theory::allan::{Part, Term, continuous_variance};
+
+/// Largest error of a point, in parts of it, that counts: one of a variance with 8 degrees of freedom. At longer τ estimates of a
+/// record are so skewed that most are low.
+const MAX_ERROR: f64 = 0.25;
+/// Points of a line per octave of τ.
+const PLACES: f64 = 12.0;
+
+/// A curve with its fit.
+#[derive(Debug)]
+pub struct Analysis {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// What was read.
+    pub file: CurveFile,
+    /// The curve as a column of a log would have it.
+    pub column: Column,
+    /// The minimum of the points that count, and whether the curve ends there.
+    minimum: Option<Minimum>,
+}
+
+impl Analysis {
+    /// Fits a curve that was read from `path`.
+    pub fn new(file: CurveFile, path: &Path, fitting: Option<&Fitting>) -> Analysis {
+        let counted = counted(&file.points);
+        let noise = fitting.map(|fitting| {
+            let of = |value: fn(&CurvePoint) -> f64| counted.iter().map(value).collect::<Vec<f64>>();
+            let (taus, variances) = (of(|point| point.tau_s), of(|point| point.value * point.value));
+            let fit = fit_points(&taus, &variances, &of(|point| 2.0 * point.error), fitting);
+            fit.map(|fit| DataSheet::of_points(fit, file.unit)).map_err(|error| error.to_string())
+        });
+        let point = |point: &CurvePoint| Point {
+            m: 0,
+            tau_s: point.tau_s,
+            terms: 0,
+            value: Some(point.value),
+            noise: None,
+            supposes: Supposed::Model,
+            edf: None,
+            left: 1.0,
+            interval: Some(point.interval.into()),
+        };
+        let least = counted.iter().min_by(|a, b| a.value.total_cmp(&b.value));
+        let at_end = least.map(|least| least.tau_s) == counted.last().map(|last| last.tau_s);
+        let minimum = least.map(|least| Minimum { point: point(least), at_end });
+        let points = file.points.iter().map(point).collect();
+        let column = Column {
+            name: file.name.clone(),
+            unit: file.unit,
+            overruled: None,
+            missing: 0,
+            digest: 0,
+            same_as: None,
+            gaps: vec![],
+            outliers: Outliers::default(),
+            events: vec![],
+            mean_rate: None,
+            spread: Overdispersion::default(),
+            slope: 0.0,
+            curves: vec![Curve { deviation: file.deviation, points, minimum }],
+            noise: noise.transpose(),
+        };
+        Analysis { path: path.to_owned(), file, column, minimum }
+    }
+
+    /// The file, the number of its points and their range of τ.
+    pub fn heading(&self) -> String {
+        let file = self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy();
+        let ends = [self.file.points.first(), self.file.points.last()];
+        let [from, to] = ends.map(|point| significant(point.map_or(0.0, |point| point.tau_s), 4));
+        format!("{file}: {} points of a curve, τ {from} s to {to} s", self.file.points.len())
+    }
+
+    /// The fit, if it describes the curve.
+    pub fn fit(&self) -> Option<&Fit> {
+        self.column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described())
+    }
+
+    /// The answer, with the judgements of the limits.
+    pub fn decision(&self, limits: &[Limit]) -> Decision {
+        let stability = self.minimum.map(|minimum| {
+            let row = in_run_bias_stability(self.file.unit, self.file.deviation, &minimum);
+            match minimum.at_end {
+                true => {
+                    let interval = row.interval.map(|[_, upper]| [0.0, upper]);
+                    crate::analysis::data_sheet::Row { value: None, interval, ..row }
+                }
+                false => row,
+            }
+        });
+        let tau_s = self.minimum.filter(|minimum| !minimum.at_end).map(|minimum| minimum.point.tau_s);
+        let subject = Subject {
+            label: &self.column.name,
+            unit: self.column.unit,
+            noise: self.column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
+            stability,
+            stability_tau_s: tau_s,
+            floor: None,
+            samples: 0,
+            step_s: 0.0,
+            spread: &self.column.spread,
+        };
+        let mut decision = decide(&[subject], limits, "curve");
+        decision.answer.facts.extend(self.fit().map(of_fit));
+        let assumed = || Fact::caveat(format!("errors of the points are assumed: {}", self.file.errors));
+        decision.answer.facts.extend(self.file.is_assumed.then(assumed));
+        decision
+    }
+
+    /// Notes on what was read and on the fit.
+    pub fn notes(&self) -> Vec<String> {
+        let left_out = self.file.points.len() - counted(&self.file.points).len();
+        let left_out = (left_out > 0).then(|| {
+            let percent = significant(100.0 * MAX_ERROR, 2);
+            format!("{left_out} points with a standard error above {percent} % are shown and not fitted")
+        });
+        let noise = self.column.noise();
+        let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
+            format!(
+                "the terms of the fit do not describe the curve within the errors of its points, χ² = {} of {} degrees of freedom: fit \
+                 other terms, set the range, as in `fit_from = 1s` and `fit_to = 100s`, or give other errors, as in `curve_interval = 20%`",
+                significant(noise.fit.chi_squared, 3),
+                noise.fit.degrees_of_freedom
+            )
+        });
+        let failed = self.column.noise.as_ref().err().map(|why| format!("no coefficients: {why}"));
+        let first_s = counted(&self.file.points).first().map_or(0.0, |point| point.tau_s);
+        let cut = self.fit().filter(|fit| fit.tau_range[0] > first_s * (1.0 + 1e-9)).map(|fit| {
+            let from = significant(fit.tau_range[0], 4);
+            format!("the coefficients are those of τ from {from} s on, where the terms describe the curve")
+        });
+        let of_file = self.file.notes.iter().cloned();
+        let of_files = noise_file::notes_of(std::slice::from_ref(&self.column));
+        of_file.chain([left_out, misfit, failed, cut].into_iter().flatten()).chain(of_files).collect()
+    }
+
+    /// The text of the noise.toml; `None` without coefficients, or if the curve is not of rotation.
+    pub fn noise_file(&self) -> Option<String> {
+        let data = format!("{} points of a curve", self.file.points.len());
+        noise_file::text_of(&self.column, &self.path, &data, &format!("errors of the points {}", self.file.errors))
+    }
+
+    /// The tables `coefficients.csv` and `curve.csv`.
+    pub fn tables(&self) -> [(&'static str, Table); 2] {
+        let columns = std::slice::from_ref(&self.column);
+        [("coefficients.csv", coefficients_of(columns)), ("curve.csv", curves(columns, "a curve that was read"))]
+    }
+
+    /// The chart of the points and the fit with its parts.
+    pub fn figure(&self) -> Figure {
+        let symbol = self.file.unit.symbol(self.file.deviation);
+        let parts: Vec<(Term, figure::Part)> = self.fit().map_or(vec![], |fit| self.parts(fit));
+        let points = self.file.points.iter().map(|point| SeriesPoint {
+            band: Some(point.interval.into()),
+            ..SeriesPoint::new(point.tau_s, point.value)
+        });
+        let law = self.fit().map_or(vec![], |fit| line(&fit.process.parts, fit.tau_range));
+        let marks = parts.iter().filter_map(|(term, part)| self.mark(*term, part, &law)).collect();
+        let is_fitted = !law.is_empty();
+        Figure {
+            title: "Allan deviation".to_owned(),
+            subtitle: Some(self.heading()),
+            x: Axis::new("averaging time τ", "s"),
+            y: Axis::new("deviation σ(τ)", symbol),
+            points: if is_fitted { "read".to_owned() } else { String::new() },
+            bands: "95 % intervals".to_owned(),
+            lines: "fit".to_owned(),
+            series: vec![Series { colour: 0, dash: 0, points: points.collect(), law }],
+            marks,
+            slopes: true,
+            parts: Parts {
+                title: "parts of the fit".to_owned(),
+                lines: parts.into_iter().map(|(_, part)| part).collect(),
+            },
+            ..Figure::default()
+        }
+    }
+
+    /// The points over the fit; `None` without one.
+    pub fn residuals(&self) -> Option<Figure> {
+        let fit = self.fit()?;
+        let [from_s, to_s] = fit.tau_range;
+        let is_within = |point: &&CurvePoint| point.tau_s >= from_s * (1.0 - 1e-9);
+        let point = |point: &CurvePoint| {
+            let expected = deviation(&fit.process.parts, point.tau_s);
+            let [low, high] = point.interval.map(|end| end / expected);
+            SeriesPoint { band: Some((low, high)), ..SeriesPoint::new(point.tau_s, point.value / expected) }
+        };
+        let points = self.file.points.iter().filter(is_within).map(point).collect();
+        Some(Figure {
+            title: "Residuals of the fit".to_owned(),
+            x: Axis::new("averaging time τ", "s"),
+            y: Axis { scale: Scale::Linear, ..Axis::new("read / fit", "") },
+            points: "read".to_owned(),
+            bands: "95 % intervals".to_owned(),
+            lines: "fit".to_owned(),
+            series: vec![Series { colour: 0, dash: 0, points, law: vec![(from_s, 1.0), (to_s, 1.0)] }],
+            is_panel: true,
+            ..Figure::default()
+        })
+    }
+
+    /// The lines of the terms.
+    fn parts(&self, fit: &Fit) -> Vec<(Term, figure::Part)> {
+        let of = |part: &Part| {
+            let coefficient = fit.coefficient(part.term)?;
+            let label = label(part, Quantity::Coefficient(part.term).unit(self.file.unit));
+            let label = if coefficient.value.is_some() { label } else { format!("{label}, not identified") };
+            let colour = 2 + Term::ALL.iter().position(|other| *other == part.term)?;
+            let points = line(std::slice::from_ref(part), fit.tau_range);
+            Some((part.term, figure::Part { label, colour, points }))
+        };
+        fit.process.parts.iter().filter_map(of).collect()
+    }
+
+    /// The mark of a coefficient on the line of its term.
+    fn mark(&self, term: Term, part: &figure::Part, law: &[(f64, f64)]) -> Option<Mark> {
+        let row = self.column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
+        let plateau = || law.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|place| place.0);
+        let tau_s = if term == Term::BiasInstability { plateau()? } else { term.read_at()? };
+        let label = match term {
+            Term::BiasInstability => format!("0.664 B, B {}", row.cell().text),
+            _ => format!("{} {}", term.symbol(), row.cell().text),
+        };
+        let place = (tau_s, along(&part.points, tau_s)?);
+        Some(Mark { shape: figure::Shape::Coefficient, place, range: None, label })
+    }
+}
+
+/// The points whose errors are small enough for a fit; all, if none is.
+fn counted(points: &[CurvePoint]) -> Vec<CurvePoint> {
+    let is_known = |point: &&CurvePoint| point.error <= MAX_ERROR;
+    let known: Vec<CurvePoint> = points.iter().filter(is_known).copied().collect();
+    if known.is_empty() { points.to_vec() } else { known }
+}
+
+/// The deviation of some parts at a time.
+fn deviation(parts: &[Part], tau_s: f64) -> f64 {
+    libm::sqrt(parts.iter().filter_map(|part| continuous_variance(part, tau_s)).sum())
+}
+
+/// The deviation of some parts over a range of times.
+fn line(parts: &[Part], [from_s, to_s]: [f64; 2]) -> Vec<(f64, f64)> {
+    let count = libm::ceil(PLACES * libm::log2(to_s / from_s)).max(1.0);
+    let at = |place: u32| from_s * libm::pow(to_s / from_s, f64::from(place) / count);
+    (0..=count as u32).map(|place| (at(place), deviation(parts, at(place)))).collect()
+}
