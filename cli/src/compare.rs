@@ -8,6 +8,7 @@ use crate::reading::Reading;
 use clap::Args;
 use sagnac::analysis::compare::logs::RatioLimit;
 use sagnac::analysis::requirement::{Limit, Limited};
+use sagnac::record::curve_file::CurveFile;
 use sagnac::record::log::Log;
 use sagnac::record::log::read::Request;
 use sagnac::use_cases::{BatchRequest, CompareRequest, LogError, compare_logs, compare_units};
@@ -49,6 +50,10 @@ pub struct Options {
 
 /// Compares two logs, or the units of a batch.
 pub fn compare(options: &Options) -> Result<(), Failure> {
+    if let Some(path) = options.files.iter().find(|path| CurveFile::is_one(path)) {
+        let message = format!("{} is a curve, and sagnac compare reads logs\nfit it with sagnac allan", path.display());
+        return Err(Failure::Usage(message));
+    }
     match &options.files[..] {
         [a, b] => pair(options, [a, b].map(PathBuf::as_path)),
         _ if options.max_ratio.is_empty() => batch(options, "batch"),

@@ -26,8 +26,8 @@ Examples:
     --filter-rate 50Hz --write all
   sagnac model noise.toml --from \"1 s\" --to \"1000 s\" --overbound --json
 
-FILE is a log, which is read as by `sagnac allan`, or a noise.toml, whose name ends in .toml: then the
-curve is that of its coefficients, with the intervals that `sagnac allan` wrote into it. The model is
+FILE is a log or a curve, which is read as by `sagnac allan`, or a noise.toml, whose name ends in .toml:
+then the curve is that of its coefficients, with the intervals that `sagnac allan` wrote into it. The model is
 white noise, a random walk and the fewest Gauss-Markov states, at most 3. Without --overbound its Allan
 deviation lies within the 95 % band of the record, with --overbound nowhere below its upper end, and with
 --overbound=repeat nowhere below the band that 95 % of further records of the same gyro and length have.";
@@ -35,7 +35,7 @@ deviation lies within the 95 % band of the record, with --overbound nowhere belo
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Recorded log, or noise.toml
+    /// Recorded log, curve, or noise.toml
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -117,8 +117,13 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     };
     let is_noise = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     // The options of logs mean nothing for a noise.toml.
-    let log = if is_noise { None } else { Some(reading.read(path, &reading.request()?)?) };
-    let source = log.as_ref().map_or(ModelSource::NoiseFile(path), |log| ModelSource::Log(log, path));
+    let curve = if is_noise { None } else { reading.curve(path, options.confidence)? };
+    let log = if is_noise || curve.is_some() { None } else { Some(reading.read(path, &reading.request()?)?) };
+    let source = match (&curve, &log) {
+        (Some(curve), _) => ModelSource::Curve(curve, path),
+        (None, Some(log)) => ModelSource::Log(log, path),
+        (None, None) => ModelSource::NoiseFile(path),
+    };
     let outcome = model_noise(source, &request, &options.output.progress())?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let folder = options.output.folder(format!("{stem}_model"));

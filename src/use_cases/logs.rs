@@ -381,6 +381,8 @@ pub fn compare_units(logs: Vec<log::Analysis>, request: &BatchRequest) -> Result
 pub enum ModelSource<'a> {
     /// A log that was read from this path.
     Log(&'a Log, &'a Path),
+    /// A curve that was read from this path.
+    Curve(&'a CurveFile, &'a Path),
     /// A noise.toml.
     NoiseFile(&'a Path),
     /// The text of a noise.toml with this name.
@@ -412,6 +414,10 @@ pub fn model_noise(
             };
             let analysis = log::Analysis::of(log, path, &treatment, &noise, progress)?;
             (Source::of_log(&analysis), Target::of_log(&analysis)?)
+        }
+        ModelSource::Curve(file, path) => {
+            let curve = given_curve::Analysis::new(file.clone(), path, request.fitting.as_ref());
+            (Source::of_curve(&curve), vec![Target::of_curve(&curve)?])
         }
         // Fit and treatment mean nothing for coefficients.
         ModelSource::NoiseFile(path) => {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::analysis::given_curve;
 use crate::analysis::log::events::{Row, of_column};
 use crate::analysis::log::noise_file::{Intervals, intervals_of};
 use crate::analysis::log::report::heading;
@@ -11,7 +12,7 @@ use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::noise::Noise;
 use sagnac_records::allan::{Unit, distributions};
-use sagnac_records::fit::Term;
+use sagnac_records::fit::{Fit, Term};
 use sagnac_theory::allan::{self, Part};
 
 /// Inverse of the longest τ relative to a record, where none is given.
@@ -41,6 +42,11 @@ impl Source {
             rate_hz: Some(1.0 / analysis.step_s),
             notes: report::notes(analysis),
         }
+    }
+
+    /// A curve that was read from a file.
+    pub(crate) fn of_curve(curve: &given_curve::Analysis) -> Source {
+        Source { path: curve.path.clone(), heading: curve.heading(), rate_hz: None, notes: curve.notes() }
     }
 }
 
@@ -98,14 +104,12 @@ impl Target {
                 Some(Point { tau_s: point.tau_s, value: point.value?, lower, upper, edf: point.edf })
             });
             let described = column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described());
-            let found = described.and_then(|fit| fit.coefficient(Term::Quantization));
-            let quantization = found.and_then(|found| Some([found.value?, found.interval?[1]]));
             Ok(Target {
                 name: column.name.clone(),
                 unit: column.unit,
                 points: points.collect(),
-                quantization,
-                white: described.and_then(|fit| fit.coefficient(Term::AngleRandomWalk)?.value).unwrap_or(0.0),
+                quantization: quantization(described),
+                white: white(described),
                 step_s: Some(analysis.step_s),
                 length_s: Some(analysis.length_s()),
                 has_band: true,
@@ -113,6 +117,28 @@ impl Target {
             })
         };
         analysis.columns.iter().map(of).collect()
+    }
+
+    /// The curve that was read from a file.
+    pub(crate) fn of_curve(curve: &given_curve::Analysis) -> Result<Target, ModelError> {
+        if curve.file.unit == Unit::Plain {
+            return Err(ModelError::Plain(curve.file.name.clone()));
+        }
+        let points = curve.file.points.iter().map(|point| {
+            let [lower, upper] = point.interval;
+            Point { tau_s: point.tau_s, value: point.value, lower, upper, edf: None }
+        });
+        Ok(Target {
+            name: curve.file.name.clone(),
+            unit: curve.file.unit,
+            points: points.collect(),
+            quantization: quantization(curve.fit()),
+            white: white(curve.fit()),
+            step_s: None,
+            length_s: None,
+            has_band: true,
+            events: vec![],
+        })
     }
 
     /// The points between the requested times, with those just outside if the times are between points, and with the band that noise
@@ -168,6 +194,17 @@ impl Target {
     pub fn taus(&self) -> [f64; 2] {
         [self.points.first(), self.points.last()].map(|point| point.map_or(0.0, |point| point.tau_s))
     }
+}
+
+/// Quantization in a fit, with the upper end of its interval.
+fn quantization(fit: Option<&Fit>) -> Option<[f64; 2]> {
+    let found = fit?.coefficient(Term::Quantization)?;
+    Some([found.value?, found.interval?[1]])
+}
+
+/// N of a fit; 0 where it shows none.
+fn white(fit: Option<&Fit>) -> f64 {
+    fit.and_then(|fit| fit.coefficient(Term::AngleRandomWalk)?.value).unwrap_or(0.0)
 }
 
 /// The upper ends of the bands of another record, which it exceeds at any τ with a probability of at most 1 − `confidence`.

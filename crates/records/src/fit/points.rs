@@ -112,3 +112,92 @@ fn sum(curve: &Curve, terms: &[Fitted]) -> Vec<f64> {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sagnac_theory::allan::{Part, continuous_variance};
+
+    const PARTS: [Part; 3] =
+        [Part::angle_random_walk(0.03), Part::bias_instability(0.004), Part::rate_random_walk(2e-5)];
+
+    fn at(tau_s: f64) -> f64 {
+        PARTS.iter().filter_map(|part| continuous_variance(part, tau_s)).sum()
+    }
+
+    fn octaves() -> Vec<f64> {
+        (0..16).map(|octave| f64::from(1 << octave)).collect()
+    }
+
+    fn model() -> Fitting {
+        Terms::Auto(Term::MODEL.to_vec()).into()
+    }
+
+    #[test]
+    fn a_curve_in_closed_form_gives_its_coefficients() {
+        let taus = octaves();
+        let variances: Vec<f64> = taus.iter().map(|&tau_s| at(tau_s)).collect();
+        let fit = fit_points(&taus, &variances, &[0.05; 16], &model()).unwrap();
+        for part in PARTS {
+            let value = fit.coefficient(part.term).and_then(|found| found.value);
+            assert!(value.is_some_and(|value| (value / part.size - 1.0).abs() < 1e-6), "{:?}: {value:?}", part.term);
+        }
+        assert!(fit.is_described() && fit.chi_squared < 1e-6);
+    }
+
+    /// Numbers from 0 to 1 by a linear congruence.
+    struct Draws(u64);
+
+    impl Draws {
+        fn normal(&mut self) -> f64 {
+            let mut next = || {
+                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+            };
+            let (radius, turn) = (libm::sqrt(-2.0 * libm::log(next())), 2.0 * core::f64::consts::PI * next());
+            radius * libm::cos(turn)
+        }
+    }
+
+    #[test]
+    fn intervals_cover_where_the_errors_are_known() {
+        // 95 % intervals of ±10 % of the deviation.
+        const ERROR: f64 = 0.1 / 1.96;
+        const CURVES: usize = 200;
+        let (taus, mut draws, mut covered) = (octaves(), Draws(7), [0; 3]);
+        for _ in 0..CURVES {
+            let read = |&tau_s: &f64| at(tau_s) * libm::exp(2.0 * ERROR * draws.normal());
+            let variances: Vec<f64> = taus.iter().map(read).collect();
+            let fit = fit_points(&taus, &variances, &[2.0 * ERROR; 16], &model()).unwrap();
+            for (count, part) in covered.iter_mut().zip(PARTS) {
+                let interval = fit.coefficient(part.term).and_then(|found| found.interval);
+                *count += usize::from(interval.is_some_and(|[low, high]| low <= part.size && part.size <= high));
+            }
+        }
+        // Binomial bounds of 95 % at a level of 1 %, and those of chosen terms are wider.
+        assert!(covered.iter().all(|&count| count >= 181), "{covered:?} of {CURVES}");
+        println!("{covered:?} of {CURVES}");
+    }
+
+    #[test]
+    fn a_curve_that_no_noise_has_is_rejected() {
+        let taus = octaves();
+        let steps = |place: usize| if place % 4 < 2 { 1.0 } else { 3.0 };
+        let variances: Vec<f64> = taus.iter().enumerate().map(|(i, &tau_s)| at(tau_s) * steps(i)).collect();
+        let fit = fit_points(&taus, &variances, &[0.1; 16], &model()).unwrap();
+        assert!(!fit.is_described(), "{:?}", fit.coefficients);
+    }
+
+    #[test]
+    fn dense_points_weigh_no_more_than_octaves() {
+        let dense: Vec<f64> = (0..151).map(|i| libm::exp2(f64::from(i) / 10.0)).collect();
+        let width = |taus: &[f64]| {
+            let variances: Vec<f64> = taus.iter().map(|&tau_s| at(tau_s)).collect();
+            let fit = fit_points(taus, &variances, &vec![0.1; taus.len()], &model()).unwrap();
+            let [low, high] = fit.coefficient(Term::AngleRandomWalk).unwrap().interval.unwrap();
+            high - low
+        };
+        let ratio = width(&dense) / width(&octaves());
+        assert!((0.7..1.3).contains(&ratio), "{ratio}");
+    }
+}

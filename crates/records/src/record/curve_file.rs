@@ -646,3 +646,88 @@ fn length_of(rows: &[Row]) -> Option<f64> {
 fn number(text: &str) -> Option<f64> {
     text.parse().or_else(|_| text.replace(',', ".").parse()).ok().filter(|number: &f64| !number.is_infinite())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(unit: &str) -> CurveRequest {
+        CurveRequest { unit: Some(unit.to_owned()).filter(|unit| !unit.is_empty()), ..CurveRequest::default() }
+    }
+
+    fn read(text: &str, unit: &str) -> CurveFile {
+        CurveFile::parse("c.csv", text, &request(unit)).unwrap_or_else(|error| panic!("{text}\n{}", error.render(false, 120)))
+    }
+
+    #[test]
+    fn curves_are_read_as_other_tools_write_them() {
+        // (text, unit that is given, first value, first error, whether errors are assumed)
+        let table = [
+            ("tau [s],adev [deg/h]\n1,0.3\n10,0.1\n100,0.03\n", "", 0.3, 0.051, true),
+            ("tau_s;adev_deg_h;low;high\n1;0,3;0,27;0,33333\n10;0,1;0,09;0,11\n100;0,03;0,02;0,04\n", "", 0.3, 0.053_75, false),
+            ("taus,devs,errs,ns\n1,1,0.01,9999\n2,0.7,0.01,9997\n4,0.5,0.01,9993\n", "deg/s", 3600.0, 0.01, false),
+            ("# tau adev\n1 3\n10 1\n100 0.3\n", "deg/h", 3.0, 0.051, true),
+            ("σ(τ) [°/h]\tτ [min]\n1\t1\n0.5\t2\n0.2\t4\n", "", 1.0, 0.051, true),
+            ("tau,sigma\ns,deg/h\n100,0.3\n10,0.1\n1,1\n", "", 1.0, 0.051, true),
+            ("tau,oadev,n\n1,1,9999\n10,0.3,9981\n100,0.1,9801\n", "deg/h", 1.0, 0.007_07, true),
+        ];
+        for (text, unit, value, error, is_assumed) in table {
+            let curve = read(text, unit);
+            let first = curve.points[0];
+            assert!((first.value / value - 1.0).abs() < 1e-9, "{text}\n{first:?}");
+            assert!((first.error / error - 1.0).abs() < 2e-2, "{text}\n{first:?}");
+            assert_eq!(curve.is_assumed, is_assumed, "{text}");
+        }
+    }
+
+    #[test]
+    fn stable32_says_what_its_intervals_are() {
+        let text = "STATISTICS FOR FILE: PHASE.DAT\n Sigma Type: Overlapping Allan\n Confidence Factor = 0.683\n\n\
+                    \x20 AF        Tau         #    Alpha  Min Sigma      Sigma         Max Sigma\n\
+                    \x20   1   1.0000e+00      998     0   2.8670e-01    2.9439e-01     3.0274e-01\n\
+                    \x20   2   2.0000e+00      995     0   1.9726e-01    2.0297e-01     2.0922e-01\n\
+                    \x20   4   4.0000e+00      989     0   1.3744e-01    1.4252e-01     1.4821e-01\n";
+        let curve = read(text, "deg/h");
+        assert_eq!((curve.deviation, curve.points[2].value), (Deviation::Oadev, 0.14252));
+        // A ratio of ends of 1.056 is two standard errors.
+        assert!((curve.points[0].error / 0.0272 - 1.0).abs() < 0.01, "{:?}", curve.points[0]);
+        let hadamard = text.replace("Overlapping Allan", "Hadamard");
+        let error = CurveFile::parse("c.csv", &hadamard, &request("deg/h")).unwrap_err().render(false, 120);
+        assert!(error.contains("Hadamard deviation"), "{error}");
+    }
+
+    #[test]
+    fn a_curve_of_a_log_is_read_back() {
+        let text = "column,deviation,m,tau_s,differences,alpha,lower,value,upper,unit\n\
+                    gx,oadev,1,1,99,0,0.9,1,1.1,deg/h\ngx,oadev,2,2,97,0,0.6,0.7,0.8,deg/h\ngx,oadev,4,4,93,0,0.4,0.5,0.6,deg/h\n\
+                    gx,mdev,1,1,99,0,0.9,1,1.1,deg/h\ngy,oadev,1,1,99,0,0.9,3,4.1,deg/h\n";
+        let of = |column: &str| CurveRequest { column: Some(column.to_owned()), ..CurveRequest::default() };
+        let curve = CurveFile::parse("curve.csv", text, &of("gx")).unwrap();
+        assert_eq!((curve.points.len(), curve.deviation, curve.points[0].interval), (3, Deviation::Oadev, [0.9, 1.1]));
+        for (request, piece) in [(CurveRequest::default(), "several curves: gx, gy"), (of("gz"), "no curve is called `gz`")] {
+            let error = CurveFile::parse("curve.csv", text, &request).unwrap_err().render(false, 120);
+            assert!(error.contains(piece), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_curve_is_shown_with_its_place_and_what_to_do() {
+        let table = [
+            ("time,gz\n1,2\n", "no column `tau`", "tau [s], adev"),
+            ("tau,adev\n1,1\n2,1\n3,1\n", "`adev` has no unit", "c.csv:1:5"),
+            ("tau,mdev [deg/h]\n1,1\n2,1\n3,1\n", "modified Allan deviation", "c.csv:1:5"),
+            ("tau,adev [deg]\n1,1\n2,1\n3,1\n", "is an angle", "c.csv:1:5"),
+            ("tau,adev [deg/h]\n1,1\n2,x\n3,1\n", "\"x\" is not a number", "c.csv:3:3"),
+            ("tau,adev [deg/h]\n1,1\n-2,1\n3,1\n", "not positive", "c.csv:3:1"),
+            ("tau,adev [deg/h]\n1,1\n1,2\n3,1\n", "occurs twice", "c.csv:3:1"),
+            ("tau,adev [deg/h]\n1,1\n2,1\n", "has 2 points", "add rows"),
+            ("tau,adev [deg/h]\n1\n2,1\n", "this row has 1 cells", "c.csv:2:1"),
+            ("tau,adev [deg/h],lower,upper\n1,1,0.1,0.2\n2,1,1,1\n3,1,1,1\n", "outside its interval", "c.csv:2:3"),
+            ("tau [s],gx [deg/h],gy [deg/h]\n1,1,1\n", "several curves: gx, gy", "column = gx"),
+        ];
+        for (text, message, place) in table {
+            let error = CurveFile::parse("c.csv", text, &CurveRequest::default()).unwrap_err().render(false, 200);
+            assert!(error.contains(message) && error.contains(place), "{text}\n{error}");
+        }
+    }
+}
