@@ -51,7 +51,8 @@ pub struct Options {
 /// Compares two logs, or the units of a batch.
 pub fn compare(options: &Options) -> Result<(), Failure> {
     if let Some(path) = options.files.iter().find(|path| CurveFile::is_one(path)) {
-        let message = format!("{} is a curve, and sagnac compare reads logs\nfit it with sagnac allan", path.display());
+        let message =
+            format!("{} is a curve, and sagnac compare reads logs\nfit it with sagnac allan", path.display());
         return Err(Failure::Usage(message));
     }
     match &options.files[..] {

@@ -37,5 +37,9 @@ pub fn convert(options: &Options) -> Result<(), Failure> {
         lines.push(format!("  {name:width$}  {}", row.text()));
         before = row.convention;
     }
+    if !found.lines.is_empty() {
+        lines.push("in a noise file, one of".to_owned());
+        lines.extend(found.lines.iter().map(|line| format!("  {line}")));
+    }
     print(&lines.join("\n"))
 }

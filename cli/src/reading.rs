@@ -96,7 +96,7 @@ pub struct Reading {
     /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *model rejected*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
-    /// For a curve, the 95 % interval of its points, as in 10%, or the length of its record, as in "9 h" [default: that of the file]
+    /// 95 % interval of points of a curve, as in 10%, or length of its record, as in "9 h" [default: that of the file]
     #[arg(help_heading = "Reading the log", long, value_name = "PERCENT|TIME", value_parser = errors)]
     curve_interval: Option<Errors>,
     /// Column of a temperature, by name or number, on which the rate depends: `sagnac allan` reports the dependence, other commands
@@ -147,7 +147,9 @@ fn errors(text: &str) -> Result<Errors, String> {
     if let Some(percent) = text.trim().strip_suffix('%') {
         let percent: Option<f64> = percent.trim().parse().ok();
         let percent = percent.filter(|percent| *percent > 0.0 && *percent <= 100.0);
-        return percent.map(|percent| Errors::Part(0.01 * percent)).ok_or_else(|| "not between 0 and 100 %".to_owned());
+        return percent
+            .map(|percent| Errors::Part(0.01 * percent))
+            .ok_or_else(|| "not between 0 and 100 %".to_owned());
     }
     let length_s = seconds(text).map_err(|error| format!("{error}; write as in 10% or \"9 h\""))?;
     if length_s > 0.0 { Ok(Errors::Record(length_s)) } else { Err("the record has no length".to_owned()) }

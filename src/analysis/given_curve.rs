@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::figures::{along, label};
-use crate::analysis::log::report::{curves, coefficients_of, in_run_bias_stability};
+use crate::analysis::log::report::{coefficients_of, curves, in_run_bias_stability};
 use crate::analysis::log::{Column, Curve, noise_file};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use crate::analysis::spectrum::report::of_fit;
@@ -157,13 +157,21 @@ impl Analysis {
     /// The text of the noise.toml; `None` without coefficients, or if the curve is not of rotation.
     pub fn noise_file(&self) -> Option<String> {
         let data = format!("{} points of a curve", self.file.points.len());
-        noise_file::text_of(&self.column, &self.path, &data, &format!("errors of the points {}", self.file.errors))
+        noise_file::text_of(
+            &self.column,
+            &self.path,
+            &data,
+            &format!("errors of the points {}", self.file.errors),
+        )
     }
 
     /// The tables `coefficients.csv` and `curve.csv`.
     pub fn tables(&self) -> [(&'static str, Table); 2] {
         let columns = std::slice::from_ref(&self.column);
-        [("coefficients.csv", coefficients_of(columns)), ("curve.csv", curves(columns, "a curve that was read"))]
+        [
+            ("coefficients.csv", coefficients_of(columns)),
+            ("curve.csv", curves(columns, "a curve that was read")),
+        ]
     }
 
     /// The chart of the points and the fit with its parts.
@@ -235,7 +243,8 @@ impl Analysis {
 
     /// The mark of a coefficient on the line of its term.
     fn mark(&self, term: Term, part: &figure::Part, law: &[(f64, f64)]) -> Option<Mark> {
-        let row = self.column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
+        let row =
+            self.column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
         let plateau = || law.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|place| place.0);
         let tau_s = if term == Term::BiasInstability { plateau()? } else { term.read_at()? };
         let label = match term {

@@ -12,6 +12,9 @@ pub struct Conversion {
     pub quantity: &'static str,
     /// The value in each convention and unit.
     pub rows: Vec<Converted>,
+    /// The lines of a noise file for a gyro with the value, each with the convention that it supposes.
+    #[serde(skip)]
+    pub lines: Vec<String>,
 }
 
 /// A value in one convention and unit.
@@ -43,6 +46,9 @@ struct Convention {
 
 struct Coefficient {
     name: &'static str,
+    /// The key of a noise file, and the conventions whose values it takes; empty where no noise file has it.
+    key: &'static str,
+    taken: &'static [&'static str],
     conventions: &'static [Convention],
 }
 
@@ -107,6 +113,8 @@ const GIVEN_ONE_SIDED: &str = "N, if the density given is one-sided";
 const COEFFICIENTS: [Coefficient; 11] = [
     Coefficient {
         name: "angle random walk N",
+        key: "angle_random_walk",
+        taken: &["N", GIVEN_ONE_SIDED],
         conventions: &[
             convention("N", same, &["°/√h", "″/√s", "rad/√s"]),
             convention("density of the rate, two-sided", same, &["°/h/√Hz", "°/s/√Hz", "rad/s/√Hz"]),
@@ -122,6 +130,8 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "rate: bias instability B, or the minimum of an Allan deviation",
+        key: "bias_instability",
+        taken: &["rate", "B, of this minimum of the Allan deviation"],
         conventions: &[
             convention("rate", same, &["°/h", "″/s", "°/s", "rad/s"]),
             convention("minimum of the Allan deviation, of this B", minimum, &["°/h", "rad/s"]),
@@ -130,6 +140,8 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "rate random walk K",
+        key: "rate_random_walk",
+        taken: &["K"],
         conventions: &[
             convention("K", same, &["°/h/√h", "°/s/√s", "rad/s/√s", "rad/s^2/√Hz"]),
             convention("Allan deviation at τ = 3 s", same, &["°/h"]),
@@ -137,10 +149,14 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "rate ramp R",
+        key: "rate_ramp",
+        taken: &["R"],
         conventions: &[convention("R", same, &["°/h/h", "°/s^2", "rad/s^2"])],
     },
     Coefficient {
         name: "angle: quantization noise Q, or a pulse",
+        key: "quantization",
+        taken: &["angle", "Q of a readout, of this pulse"],
         conventions: &[
             convention("angle", same, &["″", "°", "µrad", "rad"]),
             convention("pulse of a readout, of this Q", pulse, &["″", "µrad"]),
@@ -149,6 +165,8 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "power density of a rate",
+        key: "angle_random_walk",
+        taken: &["N, if it is two-sided", "N, if it is one-sided"],
         conventions: &[
             convention("power density", same, &["(°/s)^2/Hz", "(rad/s)^2/Hz"]),
             convention("N, if it is two-sided", root, &["°/√h", "°/s/√Hz", "rad/s/√Hz"]),
@@ -157,6 +175,8 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "velocity random walk N",
+        key: "",
+        taken: &[],
         conventions: &[
             convention("N", same, &["m/s/√h", "m/s/√s"]),
             convention("density of the acceleration, two-sided", same, &["µg/√Hz", "m/s^2/√Hz"]),
@@ -170,6 +190,8 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "acceleration: bias instability B, or the minimum of an Allan deviation",
+        key: "",
+        taken: &[],
         conventions: &[
             convention("acceleration", same, &["µg", "mg", "m/s^2"]),
             convention("minimum of the Allan deviation, of this B", minimum, &["µg", "m/s^2"]),
@@ -178,10 +200,14 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "acceleration random walk K",
+        key: "",
+        taken: &[],
         conventions: &[convention("K", same, &["µg/√h", "m/s^2/√h", "m/s^2/√s"])],
     },
     Coefficient {
         name: "velocity: quantization noise Q, or a pulse",
+        key: "",
+        taken: &[],
         conventions: &[
             convention("velocity", same, &["mm/s", "m/s"]),
             convention("pulse of a readout, of this Q", pulse, &["mm/s"]),
@@ -190,6 +216,8 @@ const COEFFICIENTS: [Coefficient; 11] = [
     },
     Coefficient {
         name: "power density of an acceleration",
+        key: "",
+        taken: &[],
         conventions: &[
             convention("power density", same, &["g^2/Hz", "(m/s^2)^2/Hz"]),
             convention("N, if it is two-sided", root, &["m/s/√h", "µg/√Hz"]),
@@ -215,7 +243,7 @@ const COEFFICIENTS: [Coefficient; 11] = [
 pub fn convert(text: &str) -> Result<Conversion, UnitError> {
     let first = COEFFICIENTS.each_ref().map(|coefficient| coefficient.conventions[0].units[0]);
     let (value, place) = parse_in(text, &first)?;
-    let Coefficient { name, conventions, .. } = &COEFFICIENTS[place];
+    let Coefficient { name, key, taken, conventions } = &COEFFICIENTS[place];
     let base = value * expression::parse(first[place])?.factor;
     let mut rows = Vec::new();
     for one in conventions.iter().filter(|one| !one.only_densities || text.contains("Hz")) {
@@ -228,7 +256,10 @@ pub fn convert(text: &str) -> Result<Conversion, UnitError> {
             rows.push(Converted { convention: one.name, value, unit });
         }
     }
-    Ok(Conversion { quantity: name, rows })
+    let of = |convention: &&str| rows.iter().find(|row| row.convention == *convention);
+    let line = |row: &Converted| format!("{key} = \"{}\"  # {}", row.text(), row.convention);
+    let lines = taken.iter().filter_map(of).map(line).collect();
+    Ok(Conversion { quantity: name, rows, lines })
 }
 
 #[cfg(test)]
@@ -237,7 +268,7 @@ mod tests {
 
     #[test]
     fn every_unit_of_a_coefficient_is_read_back_as_it() {
-        for Coefficient { name, conventions } in &COEFFICIENTS {
+        for Coefficient { name, conventions, .. } in &COEFFICIENTS {
             let own = &conventions[0];
             for unit in own.units {
                 let found = convert(&format!("2.5 {unit}")).unwrap();
@@ -270,6 +301,29 @@ mod tests {
         near(value("100 ug/sqrt(Hz)", "N", "m/s/√h"), 100e-6 * 9.80665 * 60.0);
         near(value("12 arcsec", "Q of a readout", "″"), 12.0_f64.sqrt());
         near(value("1 deg/h/sqrt(h)", "Allan deviation at τ = 3 s", "°/h"), 1.0 / 60.0);
+    }
+
+    #[test]
+    fn lines_of_a_noise_file_are_read_by_studies() {
+        let texts = [
+            "0.2 deg/√h",
+            "0.005 deg/s/√Hz",
+            "1.2 deg/h",
+            "0.01 deg/h/√h",
+            "0.1 deg/h/h",
+            "2 arcsec",
+            "4 (deg/s)^2/Hz",
+        ];
+        for text in texts {
+            let lines = convert(text).unwrap().lines;
+            assert!(!lines.is_empty(), "{text}");
+            for line in lines {
+                let noise = sagnac_engine::noise::Noise::parse("noise.toml", &line);
+                assert!(noise.is_ok(), "{line}: {:?}", noise.err());
+            }
+        }
+        assert_eq!(convert("1.2 deg/h").unwrap().lines[0], "bias_instability = \"1.2 °/h\"  # rate");
+        assert!(convert("100 ug/√Hz").unwrap().lines.is_empty());
     }
 
     #[test]

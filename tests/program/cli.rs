@@ -282,6 +282,7 @@ fn noise_coefficients_are_converted_between_units_and_conventions() {
         "  N                                     0.81 °/√h",
         "  density of the rate, one-sided        68.7308 °/h/√Hz",
         "  N, if the density given is one-sided  0.572756 °/√h",
+        "  angle_random_walk = \"0.572756 °/√h\"  # N, if the density given is one-sided",
     ] {
         assert!(shown.lines().any(|shown| shown == line), "no `{line}` in\n{shown}");
     }

@@ -64,6 +64,7 @@ fn prepared() -> Desk {
         npy(&(0..1_000_000_u32).map(|at| (at % 7) as i32).collect::<Vec<_>>()),
     )
     .unwrap();
+    desk.write("curve.csv", "tau,adev\n1,0.3\n4,0.15\n16,0.075\n64,0.04\n256,0.02\n");
     desk.write(
         "noise.toml",
         "angle_random_walk = \"0.003 deg/sqrt(h)\"\nbias_instability = \"0.002 deg/h\"\n",

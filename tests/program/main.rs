@@ -54,6 +54,7 @@ mod filler;
 mod folders;
 mod full_disks;
 mod gallery;
+mod given_curves;
 mod goldens;
 mod groups;
 mod help;

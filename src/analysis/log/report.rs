@@ -38,11 +38,11 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
         Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
             .is(Role::Key, "The deviation, as `--deviation` names it."),
         Of::new("m", Unit::NONE, "m", |row| row.sampled(Cell::Integer(row.point.m as i64)))
-            .is(Role::Count, "Averaging factor in samples; blank of a curve that was read."),
+            .is(Role::Count, "Averaging factor in samples."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("differences", Unit::NONE, "differences", |row| row.sampled(Cell::Integer(row.point.terms as i64)))
-            .is(Role::Count, "Number of differences behind the value; blank of a curve that was read."),
+            .is(Role::Count, "Number of differences behind the value."),
         Of::new("alpha", Unit::NONE, "alpha", |row| {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
         })

@@ -13,16 +13,18 @@ use sagnac_report::page::{Block, Page, Section};
 pub fn of_curve(analysis: &Analysis, answer: Answer) -> Page {
     let [coefficients, curve] = analysis.tables();
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
-    let charts = [Some(("chart", analysis.figure())), analysis.residuals().map(|figure| ("residuals", figure))];
+    let charts =
+        [Some(("chart", analysis.figure())), analysis.residuals().map(|figure| ("residuals", figure))];
     let charts = charts.into_iter().flatten().map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
     let omitted = ["column", "deviation", "unit", "treatment"];
     let symbol = analysis.file.unit.symbol(analysis.file.deviation);
     let title = format!("{}, with 95 % intervals", titled("Allan deviation", symbol));
     let points = Block::More(title, grid(&curve.1, &omitted));
     let names = texts(&coefficients.1, "coefficient");
-    let values = grid_where(&coefficients.1, &["column", "intervals", "fit_from", "fit_to", "fitted"], |row| {
-        !names[row].starts_with(MINIMUM)
-    });
+    let values =
+        grid_where(&coefficients.1, &["column", "intervals", "fit_from", "fit_to", "fitted"], |row| {
+            !names[row].starts_with(MINIMUM)
+        });
     let fit = analysis.column.noise().map(|noise| {
         let (fit, described) = (&noise.fit, if noise.fit.is_described() { "" } else { "; model rejected" });
         let p = fit.p_value().map_or_else(String::new, |p| format!(", p = {}", significant(p, 2)));

@@ -218,7 +218,8 @@ impl Curve {
     pub fn of_term(&self, term: Term, square: f64, shape: f64) -> Vec<f64> {
         let process = self.process(&[(term, square, shape)]);
         if !self.taus_s.is_empty() {
-            let at = |&tau_s: &f64| process.parts.iter().filter_map(|part| continuous_variance(part, tau_s)).sum();
+            let at =
+                |&tau_s: &f64| process.parts.iter().filter_map(|part| continuous_variance(part, tau_s)).sum();
             return self.taus_s.iter().map(at).collect();
         }
         let estimator = Estimator { difference: self.difference, ..Estimator::OVERLAPPING };

@@ -37,7 +37,12 @@ const MIN_POINTS: usize = 5;
 /// assert!((fit.coefficient(Term::RateRandomWalk).unwrap().value.unwrap() - 0.001).abs() < 1e-9);
 /// # Ok::<(), sagnac_records::fit::curve::FitError>(())
 /// ```
-pub fn fit_points(taus_s: &[f64], variances: &[f64], errors: &[f64], asked: &Fitting) -> Result<Fit, FitError> {
+pub fn fit_points(
+    taus_s: &[f64],
+    variances: &[f64],
+    errors: &[f64],
+    asked: &Fitting,
+) -> Result<Fit, FitError> {
     let is_within = |tau_s: f64| {
         asked.from_s.is_none_or(|from_s| tau_s > from_s * (1.0 - 1e-9))
             && asked.to_s.is_none_or(|to_s| tau_s < to_s * (1.0 + 1e-9))
@@ -87,7 +92,8 @@ impl Points {
         let fitter = Fitter::new(&curve, terms)?;
         let covariance = |model: &[f64]| {
             let each = model.iter().zip(&self.errors[start..]).zip(&crowds);
-            let deviations: Vec<f64> = each.map(|((x, error), crowd)| x * error * libm::sqrt(*crowd)).collect();
+            let deviations: Vec<f64> =
+                each.map(|((x, error), crowd)| x * error * libm::sqrt(*crowd)).collect();
             Covariance::of_deviations(&deviations)
         };
         let mut model = curve.variances().to_vec();
@@ -140,7 +146,11 @@ mod tests {
         let fit = fit_points(&taus, &variances, &[0.05; 16], &model()).unwrap();
         for part in PARTS {
             let value = fit.coefficient(part.term).and_then(|found| found.value);
-            assert!(value.is_some_and(|value| (value / part.size - 1.0).abs() < 1e-6), "{:?}: {value:?}", part.term);
+            assert!(
+                value.is_some_and(|value| (value / part.size - 1.0).abs() < 1e-6),
+                "{:?}: {value:?}",
+                part.term
+            );
         }
         assert!(fit.is_described() && fit.chi_squared < 1e-6);
     }
@@ -151,7 +161,8 @@ mod tests {
     impl Draws {
         fn normal(&mut self) -> f64 {
             let mut next = || {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                self.0 =
+                    self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                 ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
             };
             let (radius, turn) = (libm::sqrt(-2.0 * libm::log(next())), 2.0 * core::f64::consts::PI * next());
@@ -171,7 +182,8 @@ mod tests {
             let fit = fit_points(&taus, &variances, &[2.0 * ERROR; 16], &model()).unwrap();
             for (count, part) in covered.iter_mut().zip(PARTS) {
                 let interval = fit.coefficient(part.term).and_then(|found| found.interval);
-                *count += usize::from(interval.is_some_and(|[low, high]| low <= part.size && part.size <= high));
+                *count +=
+                    usize::from(interval.is_some_and(|[low, high]| low <= part.size && part.size <= high));
             }
         }
         // Binomial bounds of 95 % at a level of 1 %, and those of chosen terms are wider.

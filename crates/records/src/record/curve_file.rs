@@ -58,13 +58,11 @@ const DEVIATIONS: [(&str, Deviation); 24] = [
     ("σ", Deviation::Adev),
     ("ad", Deviation::Adev),
 ];
-const LOWER: [&str; 9] =
-    ["lower", "low", "lo", "min", "lowerbound", "lowerlimit", "lb", "cilow", "cilower"];
+const LOWER: [&str; 9] = ["lower", "low", "lo", "min", "lowerbound", "lowerlimit", "lb", "cilow", "cilower"];
 const UPPER: [&str; 9] =
     ["upper", "high", "hi", "max", "upperbound", "upperlimit", "ub", "cihigh", "ciupper"];
-const ERRORS: [&str; 10] = [
-    "err", "errs", "error", "errors", "std", "stddev", "stderr", "standarderror", "uncertainty", "se",
-];
+const ERRORS: [&str; 10] =
+    ["err", "errs", "error", "errors", "std", "stddev", "stderr", "standarderror", "uncertainty", "se"];
 const COUNTS: [&str; 6] = ["n", "ns", "#", "count", "counts", "differences"];
 
 /// A curve that was read.
@@ -215,7 +213,9 @@ impl<'t> Header<'t> {
     fn beside(&self, words: &[&str]) -> Option<usize> {
         let is = |name: &str| {
             let without = |(known, _): &(&str, Deviation)| {
-                name.strip_prefix(known).or(name.strip_suffix(known)).is_some_and(|rest| words.contains(&rest))
+                name.strip_prefix(known)
+                    .or(name.strip_suffix(known))
+                    .is_some_and(|rest| words.contains(&rest))
             };
             words.contains(&name) || DEVIATIONS.iter().any(|known| without(known))
         };
@@ -275,7 +275,12 @@ impl CurveFile {
     pub fn parse(file: &str, text: &str, request: &CurveRequest) -> Result<CurveFile, RecordError> {
         let Some(header) = Header::find(text) else {
             let help = "name the columns, as in `tau [s], adev [deg/h]`";
-            return Err(RecordError::new(format!("{file} is no curve: it has no column `tau`"), "", help, None));
+            return Err(RecordError::new(
+                format!("{file} is no curve: it has no column `tau`"),
+                "",
+                help,
+                None,
+            ));
         };
         Reader { file, text, header, request }.read()
     }
@@ -316,7 +321,12 @@ impl Reader<'_> {
         if !matches!(deviation, Deviation::Adev | Deviation::Oadev) {
             let message = format!("`{name}` is a {}", deviation.title());
             let help = "a fit needs an Allan deviation, adev or oadev";
-            return Err(RecordError::new(message, "no Allan deviation", help, self.header.place(self.file, value)));
+            return Err(RecordError::new(
+                message,
+                "no Allan deviation",
+                help,
+                self.header.place(self.file, value),
+            ));
         }
         // A line below the header may have units.
         let mut tau_unit = request.time_unit.clone().or(header.names[header.tau].unit.clone());
@@ -325,17 +335,28 @@ impl Reader<'_> {
             && unit_of(cell.trim_matches(['[', ']', '(', ')']), &[Dimension::Time]).is_ok()
         {
             let line = lines.remove(0);
-            let below = |column| self.cell(&line, column).map(|cell| cell.trim_matches(['[', ']', '(', ')']).to_owned());
+            let below = |column| {
+                self.cell(&line, column).map(|cell| cell.trim_matches(['[', ']', '(', ')']).to_owned())
+            };
             tau_unit = tau_unit.or(below(header.tau));
             unit = unit.or(below(value));
         }
         let unit = self.unit(unit, value)?;
         let tau_size = match &tau_unit {
             None => 1.0,
-            Some(text) => unit_of(text, &[Dimension::Time]).map_err(|error| {
-                let message = format!("the unit of `{}`: {error}", header.names[header.tau].whole);
-                RecordError::new(message, "", "accepted: s, ms, us, min, h", header.place(self.file, header.tau))
-            })?.0,
+            Some(text) => {
+                unit_of(text, &[Dimension::Time])
+                    .map_err(|error| {
+                        let message = format!("the unit of `{}`: {error}", header.names[header.tau].whole);
+                        RecordError::new(
+                            message,
+                            "",
+                            "accepted: s, ms, us, min, h",
+                            header.place(self.file, header.tau),
+                        )
+                    })?
+                    .0
+            }
         };
         let is_count = own.is_none();
         let columns = [
@@ -503,14 +524,16 @@ impl Reader<'_> {
             RecordError::new(message, label, help, self.header.place(self.file, value))
         };
         let help = "write it in the header, as in `adev [deg/h]`, or give it, as in `unit = deg/h`; `unit = none` for plain numbers";
-        let unit = unit.ok_or_else(|| refused(format!("`{name}` has no unit"), "its unit is missing", help))?;
+        let unit =
+            unit.ok_or_else(|| refused(format!("`{name}` has no unit"), "its unit is missing", help))?;
         Unit::parse(&unit, Data::Rate).map_err(|wrong| refused(wrong.message, "of this column", &wrong.help))
     }
 
     /// The lines below the header with something to read.
     fn lines(&self) -> Vec<Line<'_>> {
         let lines = self.text.lines().zip(1..).skip(self.header.line.number);
-        let is_row = |line: &Line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with(['#', '%']);
+        let is_row =
+            |line: &Line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with(['#', '%']);
         lines.map(|(text, number)| Line { number, text }).filter(is_row).collect()
     }
 
@@ -536,8 +559,14 @@ impl Reader<'_> {
         for (found, column) in numbers.iter_mut().zip(columns) {
             let Some(column) = column else { continue };
             let Some(cell) = cells.get(column) else {
-                let message = format!("this row has {} cells, the header has {}", cells.len(), self.header.names.len());
-                return Err(refused(0..line.text.len(), message, "too short", "give every row a cell for each column"));
+                let message =
+                    format!("this row has {} cells, the header has {}", cells.len(), self.header.names.len());
+                return Err(refused(
+                    0..line.text.len(),
+                    message,
+                    "too short",
+                    "give every row a cell for each column",
+                ));
             };
             let text = &line.text[cell.clone()];
             if text.is_empty() || text.eq_ignore_ascii_case("nan") {
@@ -545,18 +574,34 @@ impl Reader<'_> {
             }
             *found = number(text).ok_or_else(|| {
                 let message = format!("\"{text}\" is not a number");
-                refused(cell.clone(), message, "in this row", "write numbers, and leave a cell empty where one is missing")
+                refused(
+                    cell.clone(),
+                    message,
+                    "in this row",
+                    "write numbers, and leave a cell empty where one is missing",
+                )
             })?;
         }
         let [tau_s, value, lower, upper, error, count] = numbers;
         let tau = cells[self.header.tau].clone();
         if tau_s.is_nan() || tau_s <= 0.0 || tau_s.is_infinite() {
-            return Err(refused(tau, "an averaging time is not positive".to_owned(), "here", "every point needs its τ"));
+            return Err(refused(
+                tau,
+                "an averaging time is not positive".to_owned(),
+                "here",
+                "every point needs its τ",
+            ));
         }
         if lower > 0.0 && upper > 0.0 && !(lower <= value && value <= upper) {
-            let help = "lower and upper are the ends of an interval around the deviation, not distances from it";
+            let help =
+                "lower and upper are the ends of an interval around the deviation, not distances from it";
             let cell = columns[1].map_or(0..0, |column| cells[column].clone());
-            return Err(refused(cell, format!("{value} is outside its interval {lower} to {upper}"), "this value", help));
+            return Err(refused(
+                cell,
+                format!("{value} is outside its interval {lower} to {upper}"),
+                "this value",
+                help,
+            ));
         }
         Ok(Row { tau_s, value, ends: [lower, upper], error, count, at: (line.number, line.text.to_owned()) })
     }
@@ -572,7 +617,8 @@ impl Reader<'_> {
             return Err(RecordError::new(message, "this row", help, place));
         }
         if rows.len() < MIN_POINTS {
-            let message = format!("{} has {} points, a fit needs at least {MIN_POINTS}", self.file, rows.len());
+            let message =
+                format!("{} has {} points, a fit needs at least {MIN_POINTS}", self.file, rows.len());
             return Err(RecordError::new(message, "", "add rows, each with τ and its deviation", None));
         }
         Ok(())
@@ -589,10 +635,18 @@ impl Reader<'_> {
         match self.request.errors {
             Some(Errors::Part(part)) => {
                 let percent = significant(100.0 * part, 3);
-                return (vec![Some(part / SIDE); rows.len()], format!("95 % intervals of ±{percent} %, as given"), true);
+                return (
+                    vec![Some(part / SIDE); rows.len()],
+                    format!("95 % intervals of ±{percent} %, as given"),
+                    true,
+                );
             }
             Some(Errors::Record(length_s)) => {
-                return (of_record(length_s), format!("those of a record of {} s, as given", shown(length_s)), true);
+                return (
+                    of_record(length_s),
+                    format!("those of a record of {} s, as given", shown(length_s)),
+                    true,
+                );
             }
             None => {}
         }
@@ -605,7 +659,10 @@ impl Reader<'_> {
         let by_error = |row: &Row| (row.error > 0.0).then(|| row.error / row.value);
         let percent = significant(100.0 * confidence, 3);
         let sources: [(Vec<Option<f64>>, String); 2] = [
-            (rows.iter().map(by_ends).collect(), format!("from the intervals of the file, taken as {percent} %")),
+            (
+                rows.iter().map(by_ends).collect(),
+                format!("from the intervals of the file, taken as {percent} %"),
+            ),
             (rows.iter().map(by_error).collect(), "those of the file, taken as standard errors".to_owned()),
         ];
         for (errors, source) in sources {
@@ -615,7 +672,8 @@ impl Reader<'_> {
         }
         match length_of(rows) {
             Some(length_s) => {
-                let source = format!("those of a record of {} s, by the numbers of differences", shown(length_s));
+                let source =
+                    format!("those of a record of {} s, by the numbers of differences", shown(length_s));
                 (of_record(length_s), source, true)
             }
             None => {
@@ -652,11 +710,15 @@ mod tests {
     use super::*;
 
     fn request(unit: &str) -> CurveRequest {
-        CurveRequest { unit: Some(unit.to_owned()).filter(|unit| !unit.is_empty()), ..CurveRequest::default() }
+        CurveRequest {
+            unit: Some(unit.to_owned()).filter(|unit| !unit.is_empty()),
+            ..CurveRequest::default()
+        }
     }
 
     fn read(text: &str, unit: &str) -> CurveFile {
-        CurveFile::parse("c.csv", text, &request(unit)).unwrap_or_else(|error| panic!("{text}\n{}", error.render(false, 120)))
+        CurveFile::parse("c.csv", text, &request(unit))
+            .unwrap_or_else(|error| panic!("{text}\n{}", error.render(false, 120)))
     }
 
     #[test]
@@ -664,8 +726,20 @@ mod tests {
         // (text, unit that is given, first value, first error, whether errors are assumed)
         let table = [
             ("tau [s],adev [deg/h]\n1,0.3\n10,0.1\n100,0.03\n", "", 0.3, 0.051, true),
-            ("tau_s;adev_deg_h;low;high\n1;0,3;0,27;0,33333\n10;0,1;0,09;0,11\n100;0,03;0,02;0,04\n", "", 0.3, 0.053_75, false),
-            ("taus,devs,errs,ns\n1,1,0.01,9999\n2,0.7,0.01,9997\n4,0.5,0.01,9993\n", "deg/s", 3600.0, 0.01, false),
+            (
+                "tau_s;adev_deg_h;low;high\n1;0,3;0,27;0,33333\n10;0,1;0,09;0,11\n100;0,03;0,02;0,04\n",
+                "",
+                0.3,
+                0.053_75,
+                false,
+            ),
+            (
+                "taus,devs,errs,ns\n1,1,0.01,9999\n2,0.7,0.01,9997\n4,0.5,0.01,9993\n",
+                "deg/s",
+                3600.0,
+                0.01,
+                false,
+            ),
             ("# tau adev\n1 3\n10 1\n100 0.3\n", "deg/h", 3.0, 0.051, true),
             ("σ(τ) [°/h]\tτ [min]\n1\t1\n0.5\t2\n0.2\t4\n", "", 1.0, 0.051, true),
             ("tau,sigma\ns,deg/h\n100,0.3\n10,0.1\n1,1\n", "", 1.0, 0.051, true),
@@ -703,8 +777,13 @@ mod tests {
                     gx,mdev,1,1,99,0,0.9,1,1.1,deg/h\ngy,oadev,1,1,99,0,0.9,3,4.1,deg/h\n";
         let of = |column: &str| CurveRequest { column: Some(column.to_owned()), ..CurveRequest::default() };
         let curve = CurveFile::parse("curve.csv", text, &of("gx")).unwrap();
-        assert_eq!((curve.points.len(), curve.deviation, curve.points[0].interval), (3, Deviation::Oadev, [0.9, 1.1]));
-        for (request, piece) in [(CurveRequest::default(), "several curves: gx, gy"), (of("gz"), "no curve is called `gz`")] {
+        assert_eq!(
+            (curve.points.len(), curve.deviation, curve.points[0].interval),
+            (3, Deviation::Oadev, [0.9, 1.1])
+        );
+        for (request, piece) in
+            [(CurveRequest::default(), "several curves: gx, gy"), (of("gz"), "no curve is called `gz`")]
+        {
             let error = CurveFile::parse("curve.csv", text, &request).unwrap_err().render(false, 120);
             assert!(error.contains(piece), "{error}");
         }
@@ -722,11 +801,16 @@ mod tests {
             ("tau,adev [deg/h]\n1,1\n1,2\n3,1\n", "occurs twice", "c.csv:3:1"),
             ("tau,adev [deg/h]\n1,1\n2,1\n", "has 2 points", "add rows"),
             ("tau,adev [deg/h]\n1\n2,1\n", "this row has 1 cells", "c.csv:2:1"),
-            ("tau,adev [deg/h],lower,upper\n1,1,0.1,0.2\n2,1,1,1\n3,1,1,1\n", "outside its interval", "c.csv:2:3"),
+            (
+                "tau,adev [deg/h],lower,upper\n1,1,0.1,0.2\n2,1,1,1\n3,1,1,1\n",
+                "outside its interval",
+                "c.csv:2:3",
+            ),
             ("tau [s],gx [deg/h],gy [deg/h]\n1,1,1\n", "several curves: gx, gy", "column = gx"),
         ];
         for (text, message, place) in table {
-            let error = CurveFile::parse("c.csv", text, &CurveRequest::default()).unwrap_err().render(false, 200);
+            let error =
+                CurveFile::parse("c.csv", text, &CurveRequest::default()).unwrap_err().render(false, 200);
             assert!(error.contains(message) && error.contains(place), "{text}\n{error}");
         }
     }
