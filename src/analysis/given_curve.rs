@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::analysis::data_sheet::DataSheet;
+use crate::analysis::data_sheet::{DataSheet, Row};
 use crate::analysis::log::figures::{along, label};
 use crate::analysis::log::report::{coefficients_of, curves, in_run_bias_stability};
 use crate::analysis::log::{Column, Curve, noise_file};
@@ -103,7 +103,7 @@ impl Analysis {
             match minimum.at_end {
                 true => {
                     let interval = row.interval.map(|[_, upper]| [0.0, upper]);
-                    crate::analysis::data_sheet::Row { value: None, interval, ..row }
+                    Row { value: None, interval, ..row }
                 }
                 false => row,
             }

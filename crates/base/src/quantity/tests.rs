@@ -46,6 +46,7 @@ fn quantities_come_out_in_arcseconds_and_seconds() {
         ("4 mdps/sqrtHz", value("4 mdeg/s/sqrt(Hz)")),
         ("5 dph/rt(Hz)", value("5 °/h/√Hz")),
         ("0.1 deg/rthr", value("0.1 °/√h")),
+        ("0.1 deg/rtHr", value("0.1 °/√h")),
         ("3 °/hr", value("3 °/h")),
         ("9.80665 m/s^2", 1.0),
         ("9806.65 mm/s", 1.0),

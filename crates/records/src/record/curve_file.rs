@@ -382,7 +382,13 @@ impl Reader<'_> {
             notes.push("the averaging times are taken in s".to_owned());
         }
         if is_assumed {
-            notes.push(format!("the errors of the points are assumed: {source}"));
+            let advice = match request.errors {
+                Some(_) => "",
+                None => {
+                    "; others are given as in `curve_interval = 5%`, or by the length of the record, as in `curve_interval = 9h`"
+                }
+            };
+            notes.push(format!("the errors of the points are assumed: {source}{advice}"));
         } else {
             notes.push(format!("the errors of the points are {source}"));
         }
@@ -677,8 +683,7 @@ impl Reader<'_> {
                 (of_record(length_s), source, true)
             }
             None => {
-                let source = "95 % intervals of ±10 %; `curve_interval = 5%`, or the length of the record, as in `curve_interval = 9h`, \
-                              gives others";
+                let source = "95 % intervals of ±10 %";
                 (vec![Some(ASSUMED / SIDE); rows.len()], source.to_owned(), true)
             }
         }
