@@ -117,7 +117,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 37] = [
+const OPTIONS: [&str; 38] = [
     "at",
     "band",
     "binary",
@@ -131,6 +131,7 @@ const OPTIONS: [&str; 37] = [
     "dynamic",
     "filler",
     "fit",
+    "curve_interval",
     "fit_from",
     "fit_to",
     "force",

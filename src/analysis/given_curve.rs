@@ -124,6 +124,9 @@ impl Analysis {
         decision.answer.facts.extend(self.fit().map(of_fit));
         let assumed = || Fact::caveat(format!("errors of the points are assumed: {}", self.file.errors));
         decision.answer.facts.extend(self.file.is_assumed.then(assumed));
+        // Estimates of one record are correlated by their noise, which a file of points does not state.
+        let independent = "points are taken as independent; their log would give wider intervals";
+        decision.answer.facts.extend(self.fit().map(|_| Fact::caveat(independent)));
         decision
     }
 
