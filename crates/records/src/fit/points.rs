@@ -56,9 +56,11 @@ pub fn fit_points(
     if is_likely(&whole) {
         return Ok(whole);
     }
-    let most = points.taus_s.len().saturating_sub(MIN_POINTS).min(MAX_LEFT_OUT);
-    let starts = if is_chosen && asked.from_s.is_none() { 1..=most } else { 1..=0 };
-    let shorter = starts.into_iter().filter_map(|start| points.fit(&asked.terms, start).ok());
+    let most = match is_chosen && asked.from_s.is_none() {
+        true => points.taus_s.len().saturating_sub(MIN_POINTS).min(MAX_LEFT_OUT),
+        false => 0,
+    };
+    let shorter = (1..=most).filter_map(|start| points.fit(&asked.terms, start).ok());
     let shaped = [Term::Sine, Term::Markov].into_iter().filter(|_| is_chosen);
     let shaped = shaped.filter_map(|term| points.fit(&asked.terms.with(term), 0).ok());
     if let Some(fit) = shorter.chain(shaped).find(is_likely) {

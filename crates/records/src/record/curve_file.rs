@@ -217,7 +217,7 @@ impl<'t> Header<'t> {
                     .or(name.strip_suffix(known))
                     .is_some_and(|rest| words.contains(&rest))
             };
-            words.contains(&name) || DEVIATIONS.iter().any(|known| without(known))
+            words.contains(&name) || DEVIATIONS.iter().any(without)
         };
         self.columns(is).first().copied()
     }
