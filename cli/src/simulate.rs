@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::TypedValueParser;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use sagnac::record::log::read::step_of;
+use sagnac::record::write::Form;
 use sagnac::run::write_inputs;
-use sagnac::store::folder::Folder;
-use sagnac::study::Study;
-use sagnac::use_cases::{Form, Numbers, SimulateError, Simulation};
+use sagnac::store::folder::{Folder, FolderError};
+use sagnac::use_cases::{Numbers, SimulateError, SimulateRequest, Simulation};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::short;
 use sagnac_base::quantity::{Dimension, parse};
@@ -59,7 +60,7 @@ pub struct Options {
     /// Rates in °/h, or angles in ″: of each sample (increment), or from the start (angle)
     #[arg(long, value_name = "KIND", default_value = "rate", value_parser = numbers())]
     data: Numbers,
-    /// Form of the files; raw has numbers of 8 bytes
+    /// Form of the files: npz and mat have times too, mcap messages of ROS with rates about z, raw numbers of 8 bytes
     #[arg(help_heading = "Output", long, value_name = "FORM", default_value = "csv", value_parser = form())]
     form: Form,
     /// Folder of the records [default: results/<name of the file>_records]
@@ -71,11 +72,11 @@ pub struct Options {
 }
 
 fn numbers() -> impl TypedValueParser<Value = Numbers> {
-    one_of([("rate", Numbers::Rate), ("increment", Numbers::Increment), ("angle", Numbers::Angle)])
+    one_of(Numbers::NAMED)
 }
 
 fn form() -> impl TypedValueParser<Value = Form> {
-    one_of([("csv", Form::Csv), ("npy", Form::Npy), ("raw", Form::Raw)])
+    one_of(Form::ALL.map(|form| (form.ending(), form)))
 }
 
 /// A positive time, s.
@@ -86,7 +87,14 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// Writes records of noise, one file each, with the study whose trials they are.
 pub fn simulate(options: &Options) -> Result<(), Failure> {
-    let simulation = options.simulation()?;
+    let request = SimulateRequest {
+        sample_s: options.rate,
+        length_s: options.length,
+        at: options.at.clone(),
+        seed: options.seed,
+    };
+    let simulation = Simulation::read(&options.input, &request)?;
+    simulation.check(options.data, options.form)?;
     let stem = options.input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let default = || Path::new("results").join(format!("{stem}_records"));
     let path = options.out.clone().unwrap_or_else(default);
@@ -109,11 +117,13 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     folder.write(STUDY, text.as_bytes())?;
     let progress = Shown::new(if options.quiet { How::None } else { How::Plain });
     progress.start("records", 0, options.records);
-    for number in options.first..options.first + options.records {
+    let records = options.first..options.first + options.records;
+    records.into_par_iter().try_for_each(|number| {
         let name = format!("record_{number:05}.{}", options.form.ending());
         folder.write_by(&name, |to| simulation.write(number, options.data, options.form, to))?;
         progress.advance(1);
-    }
+        Ok::<(), FolderError>(())
+    })?;
     folder.commit()?;
     match options.quiet {
         true => Ok(()),
@@ -130,35 +140,11 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     }
 }
 
-impl Options {
-    fn simulation(&self) -> Result<Simulation, Failure> {
-        let refused = |error: SimulateError| match error {
+impl From<SimulateError> for Failure {
+    fn from(error: SimulateError) -> Failure {
+        match error {
             SimulateError::Study(error) => Failure::Study(error),
-            SimulateError::Point(message) => Failure::Usage(in_options(&message)),
-        };
-        let text = read_text(&self.input, MAX_TOML)
-            .map_err(|error| Failure::Usage(format!("cannot read {}: {error}", self.input.display())))?;
-        // What is no TOML is refused with its place.
-        let is_study = text.parse::<toml::Table>().map_or(true, |table| table.contains_key("kind"));
-        if is_study {
-            let mut study = Study::read(&self.input)?;
-            if self.rate.or(self.length).is_some() {
-                let message = "--rate and --length are for noise files; a study has `record.sample` and `record.length`";
-                return Err(Failure::Usage(format!("{message}\nleave them out")));
-            }
-            study.seed = self.seed.unwrap_or(study.seed);
-            return Simulation::of_study(&study, &self.at).map_err(refused);
+            SimulateError::Request(message) => Failure::Usage(in_options(&message)),
         }
-        let (Some(sample_s), Some(length_s)) = (self.rate, self.length) else {
-            let message = "a noise file does not say how long its records are\ngive --rate and --length, as in --rate 100Hz --length 1h";
-            return Err(Failure::Usage(message.to_owned()));
-        };
-        if !self.at.is_empty() {
-            return Err(Failure::Usage(
-                "--at selects from a study, but none is given\nleave it out".to_owned(),
-            ));
-        }
-        let name = self.input.file_name().unwrap_or_default().to_string_lossy();
-        Simulation::of_noise(&name, &text, sample_s, length_s, self.seed.unwrap_or(1)).map_err(refused)
     }
 }

@@ -21,7 +21,7 @@ pub use logs::{
 };
 #[cfg(feature = "store")]
 pub use merge::{MergeError, MergeOutcome, MergeRequest, absolute, check_places, merge, once};
-pub use simulate::{Form, Numbers, SimulateError, Simulation};
+pub use simulate::{Numbers, SimulateError, SimulateRequest, Simulation};
 pub use studies::{Sampled, StudyOutcome, study_outcome};
 
 /// The result of a use case, with the contents of its files by their names.

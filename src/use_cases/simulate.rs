@@ -2,15 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 
 use crate::analysis::firmware::choice::{find, swept, value_of};
 use sagnac_base::diagnostics::{StudyError, listed};
-use sagnac_base::quantity::number::significant;
+use sagnac_base::text_file::{MAX_TOML, read_text};
 use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::allan::Allan;
 use sagnac_engine::kinds::allan::lower::MAX_SAMPLES;
 use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
 use sagnac_engine::study::Study;
+use sagnac_records::record::write::{Form, Head, write};
 
 /// Fewest samples of a record.
 const MIN_SAMPLES: f64 = 16.0;
@@ -27,12 +29,26 @@ pub struct Simulation {
 /// Why nothing can be simulated.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
-    /// The noise is not valid, or cannot be represented in the kernel's fixed point.
+    /// The study or the noise is not valid, or cannot be represented in the kernel's fixed point.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// The study is of another kind, does not have the point that is asked for, or a record is too short or too long.
+    /// The file cannot be read, the study is of another kind or does not have the point that is asked for, a setting is missing or
+    /// out of place, or a record is too short or too long.
     #[error("{0}")]
-    Point(String),
+    Request(String),
+}
+
+/// The records that are asked for.
+#[derive(Debug, Clone, Default)]
+pub struct SimulateRequest {
+    /// Time from one sample to the next, s, for a noise.
+    pub sample_s: Option<f64>,
+    /// Length, s, for a noise.
+    pub length_s: Option<f64>,
+    /// Values of swept keys, each as `key=value`, for a study with sweeps.
+    pub at: Vec<String>,
+    /// Seed; by default that of the study, or 1 for a noise.
+    pub seed: Option<u64>,
 }
 
 /// The meaning of the numbers of a record.
@@ -46,44 +62,77 @@ pub enum Numbers {
     Angle,
 }
 
-/// The form of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// Times, s, and numbers as text, each with as many digits as tell it apart.
-    Csv,
-    /// Numbers as an array of NumPy.
-    Npy,
-    /// Numbers of 8 bytes, little-endian, without a header.
-    Raw,
-}
-
-impl Form {
-    /// The ending of a file's name.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Form::Csv => "csv",
-            Form::Npy => "npy",
-            Form::Raw => "raw",
-        }
-    }
+impl Numbers {
+    /// All of them, by their names.
+    pub const NAMED: [(&str, Numbers); 3] =
+        [("rate", Numbers::Rate), ("increment", Numbers::Increment), ("angle", Numbers::Angle)];
 }
 
 impl Simulation {
+    /// Records of the noise file or of the study at `path`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or the request does not fit it.
+    pub fn read(path: &Path, request: &SimulateRequest) -> Result<Simulation, SimulateError> {
+        let text = read_text(path, MAX_TOML)
+            .map_err(|error| SimulateError::Request(format!("cannot read {}: {error}", path.display())))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Simulation::build(&name, &text, || Study::read(path), request)
+    }
+
+    /// Records of the text of a noise file or of a study, which is called `name` in errors.
+    ///
+    /// # Errors
+    /// The text is invalid, or the request does not fit it.
+    pub fn parse(name: &str, text: &str, request: &SimulateRequest) -> Result<Simulation, SimulateError> {
+        Simulation::build(name, text, || Study::parse(name, text), request)
+    }
+
+    fn build(
+        name: &str,
+        text: &str,
+        study: impl FnOnce() -> Result<Study, StudyError>,
+        request: &SimulateRequest,
+    ) -> Result<Simulation, SimulateError> {
+        let refused = |message: &str| Err(SimulateError::Request(message.to_owned()));
+        // What is no TOML is refused with its place.
+        let is_study = text.parse::<toml::Table>().map_or(true, |table| table.contains_key("kind"));
+        if is_study {
+            let mut study = study()?;
+            if request.sample_s.or(request.length_s).is_some() {
+                return refused(
+                    "rate and length are for noise files; a study has `record.sample` and `record.length`\nleave them out",
+                );
+            }
+            study.seed = request.seed.unwrap_or(study.seed);
+            return Simulation::of_study(&study, &request.at);
+        }
+        let (Some(sample_s), Some(length_s)) = (request.sample_s, request.length_s) else {
+            return refused(
+                "a noise file does not say at which rate its records are sampled, and how long they are\ngive rate and length",
+            );
+        };
+        if let Some(at) = request.at.first() {
+            return refused(&format!("`at = {at}` selects from a study, but none is given\nleave it out"));
+        }
+        Simulation::of_noise(name, text, sample_s, length_s, request.seed.unwrap_or(1))
+    }
+
     /// Records of a study of Allan curves: those of its trials, which have the same numbers. A study with sweeps has them at the point
     /// with the values `at`, each given as `key=value`.
     ///
     /// # Errors
     /// The study is of another kind, has no such point or several, or its noise cannot be represented.
-    pub fn of_study(study: &Study, at: &[String]) -> Result<Simulation, SimulateError> {
+    fn of_study(study: &Study, at: &[String]) -> Result<Simulation, SimulateError> {
         let allan = study.asked::<Allan>().ok_or_else(|| {
-            SimulateError::Point(format!(
+            SimulateError::Request(format!(
                 "`kind = \"{}\"` has no records of a gyro at rest\ngive a study of kind \"allan\", or a noise file",
                 study.kind().name
             ))
         })?;
         let mut chosen = vec![None; study.sweeps.len()];
         for asked in at {
-            let refused = |why: String| SimulateError::Point(format!("`at = {asked}`: {why}"));
+            let refused = |why: String| SimulateError::Request(format!("`at = {asked}`: {why}"));
             let (place, value) = find(study, asked).map_err(refused)?;
             let sweep = &study.sweeps[place];
             let by_name = sweep.values.iter().find(|own| own.to_string() == value.trim_matches('"'));
@@ -111,7 +160,7 @@ impl Simulation {
             let open: Vec<&str> = open.map(|(sweep, _)| sweep.key.name).collect();
             let message =
                 format!("the study has several points\nchoose one: `at = KEY=VALUE` for {}", open.join(", "));
-            return Err(SimulateError::Point(message));
+            return Err(SimulateError::Request(message));
         };
         let lowered = LoweredCurve::new(point, allan.estimator, study.seed, study.streams)
             .map_err(|refusal| study.refused(&point.swept, &refusal))?;
@@ -123,7 +172,7 @@ impl Simulation {
     ///
     /// # Errors
     /// The text is no noise, or the record or the noise cannot be represented.
-    pub fn of_noise(
+    fn of_noise(
         name: &str,
         text: &str,
         sample_s: f64,
@@ -135,7 +184,7 @@ impl Simulation {
             let message = format!(
                 "`length = {length_s} s` has {samples} samples of {sample_s} s\naccepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples"
             );
-            return Err(SimulateError::Point(message));
+            return Err(SimulateError::Request(message));
         }
         let quoted = toml::Value::from(name);
         let study = format!(
@@ -161,61 +210,47 @@ impl Simulation {
         self.sample_s
     }
 
-    /// Hands out the numbers of the record `number`, sample by sample.
-    pub fn each(&self, number: u64, numbers: Numbers, mut each: impl FnMut(f64)) {
+    /// The numbers of the record `number`, sample by sample.
+    pub fn numbers(&self, number: u64, numbers: Numbers) -> impl Iterator<Item = f64> {
         let mut sum = 0.0;
-        self.lowered.records.increments(number, |increment| {
+        self.lowered.records.increments(number).map(move |increment| {
             sum += increment;
-            each(match numbers {
+            match numbers {
                 // 1 ″/s is 1 °/h.
                 Numbers::Rate => increment / self.sample_s,
                 Numbers::Increment => increment,
                 Numbers::Angle => sum,
-            });
-        });
+            }
+        })
+    }
+
+    /// Whether the form takes such numbers, and so many.
+    ///
+    /// # Errors
+    /// It does not.
+    pub fn check(&self, numbers: Numbers, form: Form) -> Result<(), SimulateError> {
+        match form.refusal(&self.head(numbers)) {
+            Some(refusal) => Err(SimulateError::Request(format!("{refusal}\nchoose another form"))),
+            None => Ok(()),
+        }
     }
 
     /// Writes the record `number`; it need not fit into memory.
     ///
     /// # Errors
-    /// `to` fails.
+    /// `to` fails, or the form does not take such numbers, or so many.
     pub fn write(&self, number: u64, numbers: Numbers, form: Form, to: &mut dyn Write) -> io::Result<()> {
         let mut to = BufWriter::new(to);
-        match form {
-            Form::Csv => {
-                let column = match numbers {
-                    Numbers::Rate => "rate [deg/h]",
-                    Numbers::Increment => "increment [arcsec]",
-                    Numbers::Angle => "angle [arcsec]",
-                };
-                writeln!(to, "time [s],{column}")?;
-            }
-            Form::Npy => to.write_all(&npy_header(self.samples))?,
-            Form::Raw => {}
-        }
-        let (mut sample, mut written) = (0_u64, Ok(()));
-        self.each(number, numbers, |value| {
-            sample += 1;
-            if written.is_ok() {
-                // A sample has the time of its end.
-                let time = || significant(sample as f64 * self.sample_s, 15);
-                written = match form {
-                    Form::Csv => writeln!(to, "{},{value}", time()),
-                    Form::Npy | Form::Raw => to.write_all(&value.to_le_bytes()),
-                };
-            }
-        });
-        written.and_then(|()| to.flush())
+        write(form, &self.head(numbers), self.numbers(number, numbers), &mut to)?;
+        to.flush()
     }
-}
 
-/// The header of a file of NumPy, version 1.0, with so many numbers of 8 bytes.
-fn npy_header(count: u64) -> Vec<u8> {
-    let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({count},), }}");
-    // Magic, version, length, text and a line feed fill whole lines of 64 bytes.
-    let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((length as u16).to_le_bytes());
-    bytes.extend(format!("{text:<width$}\n", width = length - 1).into_bytes());
-    bytes
+    fn head(&self, numbers: Numbers) -> Head {
+        let (name, unit, rad_per_s) = match numbers {
+            Numbers::Rate => ("rate", "deg/h", Some(1_f64.to_radians() / 3600.0)),
+            Numbers::Increment => ("increment", "arcsec", None),
+            Numbers::Angle => ("angle", "arcsec", None),
+        };
+        Head { name, unit, rad_per_s, samples: self.samples, step_s: self.sample_s }
+    }
 }

@@ -53,9 +53,9 @@ fn a_record_has_the_variances_that_the_kernel_sums_up_whatever_its_noise() {
             // Without the constant rate, beside which small differences would be lost.
             let constant = mean_rate * STEP_S;
             let mut angles = vec![0.0];
-            records.increments(number, |increment| {
-                angles.push(angles[angles.len() - 1] + (increment - constant))
-            });
+            for increment in records.increments(number) {
+                angles.push(angles[angles.len() - 1] + (increment - constant));
+            }
             assert_eq!(angles.len() as u64, SAMPLES + 1);
             let sums = Cpu::new(Width::widest(), 1).unwrap().sums(records.recipe(), number, 1, &|_| {});
             for (m, expected) in MS.into_iter().zip(records.variances(&sums)) {

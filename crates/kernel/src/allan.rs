@@ -100,21 +100,23 @@ impl Recorded for Recipe {
 }
 
 impl Recipe {
-    /// Hands out the angles of the record `number` at its N + 1 samples, LSB modulo 2^32, chunk by chunk in their order: those whose
-    /// differences [`sums`](Recorded::sums) adds up.
+    /// The angles of the record `number` at its N + 1 samples, LSB modulo 2^32, in their order: those whose differences
+    /// [`sums`](Recorded::sums) adds up.
     ///
     /// # Panics
     /// The recipe does not [fit](Recipe::fits).
-    pub fn angles(&self, number: u64, mut each: impl FnMut(&[u32])) {
+    pub fn angles(&self, number: u64) -> impl Iterator<Item = u32> {
         self.assert_fits();
         let keys = schedule(self.key.map(Scalar)).map(|key| key.map(|word| word.0));
         let mut noise = self.begin(Address { low: Scalar(number as u32), high: (number >> 32) as u32, keys });
-        let mut angles: Chunk = [0; MAX_LANES * CHUNK];
-        let last = self.samples as usize;
-        for first in (0..=last).step_by(CHUNK) {
-            self.chunk(&mut noise, first, &mut angles);
-            each(&angles[..CHUNK.min(last + 1 - first)]);
-        }
+        let mut chunk: Chunk = [0; MAX_LANES * CHUNK];
+        let angles = self.samples as usize + 1;
+        let chunks = (0..angles).step_by(CHUNK).flat_map(move |first| {
+            self.chunk(&mut noise, first, &mut chunk);
+            let (words, _) = chunk.as_chunks::<CHUNK>();
+            words[0]
+        });
+        chunks.take(angles)
     }
 
     /// Adds the noise to a shader: its files, sizes and options, and its parameters, which `fields` follow.

@@ -23,6 +23,7 @@ pub(crate) mod profile;
 pub(crate) mod text;
 pub(crate) mod time;
 pub(crate) mod timestamps;
+pub mod write;
 
 use std::io;
 use std::ops::RangeInclusive;

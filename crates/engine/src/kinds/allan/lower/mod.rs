@@ -188,24 +188,22 @@ impl Records {
         self.fixed.lsb_arcsec
     }
 
-    /// Hands out the angles between the samples of the record `number`, ″, in their order. They contain the constant rate, and their
+    /// The angles between the samples of the record `number`, ″, in their order. They contain the constant rate, and their
     /// variances are those of the record's sums.
-    pub fn increments(&self, number: u64, mut each: impl FnMut(f64)) {
+    pub fn increments(&self, number: u64) -> impl Iterator<Item = f64> {
         // Angles wrap: beside the whole LSB of the rate of a readout, their differences are small.
         let (whole, omitted) = match self.fixed.pulse {
             Some(_) => (libm::round(self.constant_rate / self.fixed.lsb_arcsec), 0.0),
             None => (0.0, self.constant_rate),
         };
         let wrapped = whole as i128 as u32;
-        let mut before = None;
-        self.recipe.angles(number, |angles| {
-            for &angle in angles {
-                if let Some(before) = before.replace(angle) {
-                    let beside = angle.wrapping_sub(before).wrapping_sub(wrapped) as i32;
-                    each((whole + f64::from(beside)) * self.fixed.lsb_arcsec + omitted);
-                }
-            }
-        });
+        let mut angles = self.recipe.angles(number);
+        let mut before = angles.next().unwrap_or_default();
+        angles.map(move |angle| {
+            let beside = angle.wrapping_sub(before).wrapping_sub(wrapped) as i32;
+            before = angle;
+            (whole + f64::from(beside)) * self.fixed.lsb_arcsec + omitted
+        })
     }
 
     /// The estimates of one record, (″/s)², for each averaging factor, from its sums as the kernel returns them.
