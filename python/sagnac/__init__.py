@@ -10,6 +10,7 @@
 - :func:`design` finds the switching interval and the filler with the least drift, and :func:`sensitivity` which uncertain input
   decides an answer.
 - :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
+- :func:`simulate` makes records of a noise.
 - :func:`convert` converts noise coefficients between units and conventions.
 - :mod:`sagnac.theory` has the underlying closed forms, over arrays.
 
@@ -46,6 +47,7 @@ from .models import model
 from .noise import Allan, Coefficient, Conversion, Curve, Fit, Minimum, convert
 from .records import allan, fit
 from .results import Answer, Results, Table
+from .simulation import simulate
 from .studies import run
 from .whole import analyze, psd
 
@@ -86,5 +88,6 @@ __all__ = [
     "read_log",
     "run",
     "sensitivity",
+    "simulate",
     "theory",
 ]

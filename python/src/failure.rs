@@ -150,7 +150,7 @@ impl From<LogError> for Failure {
 }
 
 /// Settings of the library with the corresponding arguments.
-const ARGUMENTS: [(&str, &str); 25] = [
+const ARGUMENTS: [(&str, &str); 26] = [
     ("at", "at"),
     ("band", "band"),
     ("binary", "binary"),
@@ -163,6 +163,7 @@ const ARGUMENTS: [(&str, &str); 25] = [
     ("duplicates", "duplicates"),
     ("dynamic", "dynamic"),
     ("filler", "fillers"),
+    ("length", "length"),
     ("noise", "noise"),
     ("out", "out"),
     ("rate", "rate"),

@@ -12,6 +12,7 @@ mod program;
 mod progress;
 mod record;
 mod run;
+mod simulate;
 mod table;
 mod theory;
 
@@ -36,6 +37,7 @@ fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;
     module.add_function(wrap_pyfunction!(record::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(filler::of_kinds, module)?)?;
     module.add_function(wrap_pyfunction!(filler::of_study, module)?)?;
     theory::add_to(module)
