@@ -51,16 +51,16 @@ pub struct Options {
     /// Number of records
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| whole(text, 1..=MAX_RECORDS))]
     records: u64,
-    /// Number of the first record; a record of a seed is the same wherever it is made
+    /// First record; a record of a seed is the same wherever it is made
     #[arg(long, value_name = "K", default_value = "0", value_parser = |text: &str| whole(text, 0..=MAX_TRIALS - MAX_RECORDS))]
     first: u64,
     /// Seed [default: that of the study, or 1]
     #[arg(long, value_name = "S", value_parser = |text: &str| whole(text, 0..=i64::MAX as u64))]
     seed: Option<u64>,
-    /// Rates in °/h, or angles in ″: of each sample (increment), or from the start (angle)
+    /// Rates in °/h, or angles in ″: of each sample, or from the start (angle)
     #[arg(long, value_name = "KIND", default_value = "rate", value_parser = numbers())]
     data: Numbers,
-    /// Form of the files: npz and mat have times too, mcap messages of ROS with rates about z, raw numbers of 8 bytes
+    /// Form of the files; mcap has ROS messages, raw 8-byte numbers
     #[arg(help_heading = "Output", long, value_name = "FORM", default_value = "csv", value_parser = form())]
     form: Form,
     /// Folder of the records [default: results/<name of the file>_records]

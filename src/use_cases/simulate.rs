@@ -101,7 +101,7 @@ impl Simulation {
             let mut study = study()?;
             if request.sample_s.or(request.length_s).is_some() {
                 return refused(
-                    "rate and length are for noise files; a study has `record.sample` and `record.length`\nleave them out",
+                    "`rate = HZ` and `length = TIME` are for noise files; a study has `record.sample` and `record.length`\nleave them out",
                 );
             }
             study.seed = request.seed.unwrap_or(study.seed);
@@ -109,7 +109,7 @@ impl Simulation {
         }
         let (Some(sample_s), Some(length_s)) = (request.sample_s, request.length_s) else {
             return refused(
-                "a noise file does not say at which rate its records are sampled, and how long they are\ngive rate and length",
+                "a noise file does not say at which rate its records are sampled, and how long they are\ngive `rate = HZ` and `length = TIME`",
             );
         };
         if let Some(at) = request.at.first() {

@@ -1,5 +1,13 @@
 //! Records sample by sample: the numbers whose variances the kernels sum up.
 
+use std::io::{Error, Write};
+use std::time::Instant;
+
+use sagnac::record::log::Log;
+use sagnac::record::log::measure::Data;
+use sagnac::record::log::read::{Hints, Request, Timing};
+use sagnac::record::write::Form;
+use sagnac::use_cases::{Numbers, SimulateRequest, Simulation};
 use sagnac_engine::device::Cpu;
 use sagnac_engine::kinds::allan::lower::{Asked, Records};
 use sagnac_kernel::width::Width;
@@ -21,6 +29,14 @@ fn records(parts: Vec<Part>, readout_lsb: f64, mean_rate: f64) -> Records {
         key: [3, 4],
     })
     .unwrap()
+}
+
+/// Records of a noise at `1 / step_s`.
+fn simulation(step_s: f64, length_s: f64) -> Simulation {
+    let noise = "angle_random_walk = \"0.01 deg/sqrt(h)\"\nreadout_lsb = \"0.02 arcsec\"\n";
+    let request =
+        SimulateRequest { sample_s: Some(step_s), length_s: Some(length_s), at: vec![], seed: Some(3) };
+    Simulation::parse("noise.toml", noise, &request).unwrap()
 }
 
 /// The overlapping Allan variance of angles, (″/s)².
@@ -65,5 +81,66 @@ fn a_record_has_the_variances_that_the_kernel_sums_up_whatever_its_noise() {
             let rate = angles[SAMPLES as usize] / (SAMPLES as f64 * STEP_S);
             assert!(rate.abs() < 0.05, "{parts:?}: {rate}");
         }
+    }
+}
+
+#[test]
+fn every_form_is_read_as_the_samples_and_the_step_that_were_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let simulation = simulation(0.01, 50.0);
+    for (numbers, data) in
+        [(Numbers::Rate, Data::Rate), (Numbers::Increment, Data::Increment), (Numbers::Angle, Data::Angle)]
+    {
+        let expected: Vec<f64> = simulation.numbers(7, numbers).collect();
+        assert_eq!(expected.len(), 5000);
+        for form in [Form::Csv, Form::Npz, Form::Mat, Form::Mcap] {
+            if form == Form::Mcap && numbers != Numbers::Rate {
+                assert!(simulation.check(numbers, form).is_err());
+                continue;
+            }
+            simulation.check(numbers, form).unwrap();
+            let path = folder.path().join(format!("record.{}", form.ending()));
+            simulation.write(7, numbers, form, &mut std::fs::File::create(&path).unwrap()).unwrap();
+            let columns = if form == Form::Mcap { vec!["gz".to_owned()] } else { vec![] };
+            let timing = Timing::Stamps { step_s: None, column: None, unit: None };
+            let data = Some(data);
+            let request =
+                Request { columns, timing, data, units: vec![], temperature: None, hints: Hints::default() };
+            let log =
+                Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
+            assert!((log.step_s / 0.01 - 1.0).abs() < 1e-12, "{form:?}: {}", log.step_s);
+            let found = &log.channels[0].samples;
+            assert_eq!(found.len(), expected.len(), "{form:?}");
+            let largest = expected.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            // Rates in rad/s are rounded.
+            let most = if form == Form::Mcap { 1e-15 * largest } else { 0.0 };
+            let is_same = |(found, expected): (&f64, &f64)| (found - expected).abs() <= most;
+            assert!(found.iter().zip(&expected).all(is_same), "{form:?} {numbers:?}");
+        }
+    }
+}
+
+/// A disk that is full after some bytes.
+struct Full(usize);
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0 = self.0.checked_sub(bytes.len()).ok_or_else(|| Error::other("full"))?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn nothing_is_computed_once_the_output_fails() {
+    let simulation = simulation(1.0, (1_u64 << 26) as f64);
+    for form in Form::ALL {
+        let start = Instant::now();
+        assert!(simulation.write(0, Numbers::Rate, form, &mut Full(1 << 20)).is_err(), "{form:?}");
+        // The whole record takes several seconds.
+        assert!(start.elapsed().as_secs_f64() < 0.5, "{form:?}");
     }
 }

@@ -49,6 +49,19 @@ fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
         };
         assert_eq!((form == "npy", doubles(numbers)), (numbers.len() < bytes.len(), rates.clone()), "{form}");
     }
+    for form in ["npz", "mat", "mcap"] {
+        desk.done(&format!("{RECORD} --seed 3 --first 7 --form {form} --out {form}"));
+        let column = if form == "mcap" { "--column gz" } else { "" };
+        desk.done(&format!("allan {form}/record_00007.{form} {column} --bootstrap 0 --fit none --out of_{form}"));
+    }
+    desk.done("allan all/record_00007.csv --bootstrap 0 --fit none --out of_csv");
+    for form in ["npz", "mat", "mcap"] {
+        let curve = |form: &str| -> Vec<String> {
+            desk.table(&format!("of_{form}/curve.csv")).iter().map(|row| row["value"].clone()).collect()
+        };
+        assert_eq!(curve(form), curve("csv"), "{form}");
+    }
+    desk.fails(&format!("{RECORD} --form mcap --data angle --out angles"), 2, &["no angle", "another form"]);
     desk.done(&format!("{RECORD} --seed 3 --first 7 --data increment --out increments"));
     desk.done(&format!("{RECORD} --seed 3 --first 7 --data angle --out angles"));
     let increments = numbers(&desk.read("increments/record_00007.csv"));
@@ -105,7 +118,7 @@ fn what_cannot_be_simulated_is_refused_with_what_to_give() {
     let study = "title = \"Two\"\nkind = \"allan\"\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[noise]\n\
                  angle_random_walk = \"0.01 deg/sqrt(h)\"\n[[sweep]]\nkey = \"noise.angle_random_walk\"\nlist = [\"0.01 deg/sqrt(h)\", \"0.02 deg/sqrt(h)\"]\n";
     desk.write("two.toml", study);
-    desk.fails("simulate noise.toml", 2, &["--rate 100Hz --length 1h"]);
+    desk.fails("simulate noise.toml", 2, &["give --rate HZ and --length TIME"]);
     desk.fails("simulate none.toml", 2, &["cannot read none.toml"]);
     desk.fails("simulate two.toml", 2, &["--at KEY=VALUE for noise.angle_random_walk"]);
     desk.fails("simulate two.toml --rate 1Hz", 2, &["are for noise files"]);

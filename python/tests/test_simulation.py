@@ -1,0 +1,66 @@
+"""Simulated records: those of the program."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sagnac
+from program import Program
+
+NOISE = {"angle_random_walk": "0.01 deg/sqrt(h)", "bias_instability": "0.02 deg/h"}
+TEXT = "".join(f'{key} = "{value}"\n' for key, value in NOISE.items())
+
+
+def write(program: Program, *arguments: object) -> None:
+    subprocess.run([program.path, "simulate", *map(str, arguments), "--quiet"], cwd=program.folder, check=True)
+
+
+@pytest.mark.parametrize("data", ["rate", "increment", "angle"])
+def test_records_have_the_bits_of_the_program(program: Program, data: Any) -> None:
+    (program.folder / "noise.toml").write_text(TEXT)
+    asked = ["--rate", "10Hz", "--length", "500s", "--seed", 3, "--first", 6, "--records", 2, "--data", data]
+    write(program, "noise.toml", *asked, "--form", "npy", "--out", "records")
+    expected = np.stack([np.load(program.folder / f"records/record_0000{number}.npy") for number in (6, 7)])
+    for noise in (NOISE, TEXT, program.folder / "noise.toml"):
+        found = sagnac.simulate(noise, rate=10.0, length=500.0, seed=3, first=6, records=2, data=data)
+        assert found.shape == (2, 5000) and found.tobytes() == expected.tobytes()
+    [alone] = sagnac.simulate(NOISE, rate=10.0, length=500.0, seed=3, first=7, data=data, threads=1)
+    assert alone.tobytes() == expected[1].tobytes()
+
+
+def test_arrays_of_numpy_are_read_by_numpy(program: Program) -> None:
+    (program.folder / "noise.toml").write_text(TEXT)
+    write(program, "noise.toml", "--rate", "10Hz", "--length", "500s", "--form", "npz", "--out", "records")
+    [rates] = sagnac.simulate(NOISE, rate=10.0, length=500.0)
+    with np.load(program.folder / "records/record_00000.npz") as arrays:
+        assert arrays["rate_deg_per_h"].tobytes() == rates.tobytes()
+        assert np.allclose(arrays["time_s"], np.arange(1, 5001) / 10.0, rtol=1e-15)
+
+
+def test_a_point_of_a_study_is_chosen_by_its_swept_keys(studies: Path) -> None:
+    short, longer = (sagnac.simulate(studies / "record_length.toml", at={"length": length}) for length in ("15 min", "1 h"))
+    assert longer.shape[1] == 4 * short.shape[1]
+
+
+@pytest.mark.parametrize(
+    "noise, arguments, error, piece",
+    [
+        (NOISE, {}, sagnac.UsageError, "give rate=HZ and length=TIME"),
+        (NOISE, {"rate": 1.0, "length": 3.0}, sagnac.UsageError, "accepted: 16 to"),
+        (NOISE, {"rate": 0.0, "length": 3.0}, sagnac.UsageError, "rate=0.0"),
+        (NOISE, {"rate": 1.0, "length": 60.0, "records": 0}, sagnac.UsageError, "records=0"),
+        (NOISE, {"rate": 1.0, "length": 60.0, "data": "phase"}, sagnac.UsageError, 'data="phase"'),
+        (NOISE, {"rate": 1.0, "length": 60.0, "at": {"length": "1 h"}}, sagnac.UsageError, "selects from a study"),
+        ({"angle_random_walk": "1 m"}, {"rate": 1.0, "length": 60.0}, sagnac.StudyError, "angle_random_walk"),
+        ("nowhere.toml", {}, sagnac.UsageError, "cannot read nowhere.toml"),
+    ],
+)
+def test_what_cannot_be_simulated_is_refused(noise: Any, arguments: Any, error: type[Exception], piece: str) -> None:
+    with pytest.raises(error) as refused:
+        sagnac.simulate(noise, **arguments)
+    assert piece in str(refused.value) and "--" not in str(refused.value), str(refused.value)
