@@ -109,13 +109,14 @@ fn every_form_is_read_as_the_samples_and_the_step_that_were_written() {
             let log =
                 Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
             assert!((log.step_s / 0.01 - 1.0).abs() < 1e-12, "{form:?}: {}", log.step_s);
-            let found = &log.channels[0].samples;
-            assert_eq!(found.len(), expected.len(), "{form:?}");
-            let largest = expected.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            let channel = &log.channels[0];
+            assert_eq!(channel.samples.len(), expected.len(), "{form:?}");
             // Rates in rad/s are rounded.
-            let most = if form == Form::Mcap { 1e-15 * largest } else { 0.0 };
-            let is_same = |(found, expected): (&f64, &f64)| (found - expected).abs() <= most;
-            assert!(found.iter().zip(&expected).all(is_same), "{form:?} {numbers:?}");
+            let most = if form == Form::Mcap { 1e-15 } else { 0.0 };
+            let is_same = |(found, expected): (&f64, &f64)| {
+                (found * channel.unit.factor - expected).abs() <= most * expected.abs()
+            };
+            assert!(channel.samples.iter().zip(&expected).all(is_same), "{form:?} {numbers:?}");
         }
     }
 }

@@ -52,7 +52,9 @@ fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
     for form in ["npz", "mat", "mcap"] {
         desk.done(&format!("{RECORD} --seed 3 --first 7 --form {form} --out {form}"));
         let column = if form == "mcap" { "--column gz" } else { "" };
-        desk.done(&format!("allan {form}/record_00007.{form} {column} --bootstrap 0 --fit none --out of_{form}"));
+        desk.done(&format!(
+            "allan {form}/record_00007.{form} {column} --bootstrap 0 --fit none --out of_{form}"
+        ));
     }
     desk.done("allan all/record_00007.csv --bootstrap 0 --fit none --out of_csv");
     for form in ["npz", "mat", "mcap"] {

@@ -93,6 +93,9 @@ impl Form {
             Form::Mcap if head.rad_per_s.is_none() => {
                 Some(format!("messages of ROS have the rate of a gyro, and no {}", head.name))
             }
+            Form::Mcap if head.time_s(head.samples) > i32::MAX.into() => {
+                Some(format!("messages of ROS have times up to {} s", i32::MAX))
+            }
             _ => None,
         }
     }
@@ -144,8 +147,30 @@ fn npy_header(count: u64) -> Vec<u8> {
     bytes
 }
 
+/// An output that takes nothing more once it failed. Otherwise an archive that is given up would be ended, and complain that it
+/// cannot be.
+struct UntilFailure<'t> {
+    to: &'t mut dyn Write,
+    has_failed: bool,
+}
+
+impl Write for UntilFailure<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.has_failed {
+            return Ok(bytes.len());
+        }
+        let written = self.to.write(bytes);
+        self.has_failed = written.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.has_failed { Ok(()) } else { self.to.flush() }
+    }
+}
+
 fn npz(head: &Head, samples: impl Iterator<Item = f64>, to: &mut dyn Write) -> io::Result<()> {
-    let mut zip = ZipWriter::new_stream(to);
+    let mut zip = ZipWriter::new_stream(UntilFailure { to, has_failed: false });
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .large_file(head.samples >= LARGE_ENTRY / 8);
