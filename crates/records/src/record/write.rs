@@ -1,6 +1,7 @@
 //! Writing of evenly spaced samples of one quantity, in the forms that tools of analysis and ROS read.
 //!
-//! Samples are taken one by one, and what precedes them in a file follows from their number, so that memory does not grow with it.
+//! Samples are taken one by one, and what precedes them in a file follows from their number, so that memory does not grow with it,
+//! except by the index of an MCAP file, which has an entry for some thousand samples.
 
 use std::io::{self, Error, ErrorKind, Write};
 
@@ -46,6 +47,26 @@ impl Form {
             Form::Raw => "raw",
         }
     }
+
+    /// Why such samples cannot be written in this form; `None` if they can.
+    pub fn refusal(self, head: &Head) -> Option<String> {
+        match self {
+            Form::Mat if head.samples > MAX_VARIABLE => Some(format!(
+                "{} samples are more than the {MAX_VARIABLE} that a MATLAB file of version 5 holds",
+                head.samples
+            )),
+            Form::Mcap if !cfg!(feature = "ros") => Some(
+                "this build of sagnac does not write MCAP files; build it with the feature ros".to_owned(),
+            ),
+            Form::Mcap if head.rad_per_s.is_none() => {
+                Some(format!("messages of ROS have the rate of a gyro, and no {}", head.name))
+            }
+            Form::Mcap if head.time_s(head.samples) > i32::MAX.into() => {
+                Some(format!("messages of ROS have times up to {} s", i32::MAX))
+            }
+            _ => None,
+        }
+    }
 }
 
 /// What samples are, and how many there are.
@@ -76,28 +97,6 @@ impl Head {
     /// The name with the unit, as a name in programs: `rate_deg_per_h`.
     fn identifier(&self) -> String {
         format!("{}_{}", self.name, self.unit.replace('/', "_per_"))
-    }
-}
-
-impl Form {
-    /// Why such samples cannot be written in this form; `None` if they can.
-    pub fn refusal(self, head: &Head) -> Option<String> {
-        match self {
-            Form::Mat if head.samples > MAX_VARIABLE => Some(format!(
-                "{} samples are more than the {MAX_VARIABLE} that a MATLAB file of version 5 holds",
-                head.samples
-            )),
-            Form::Mcap if !cfg!(feature = "ros") => Some(
-                "this build of sagnac does not write MCAP files; build it with the feature ros".to_owned(),
-            ),
-            Form::Mcap if head.rad_per_s.is_none() => {
-                Some(format!("messages of ROS have the rate of a gyro, and no {}", head.name))
-            }
-            Form::Mcap if head.time_s(head.samples) > i32::MAX.into() => {
-                Some(format!("messages of ROS have times up to {} s", i32::MAX))
-            }
-            _ => None,
-        }
     }
 }
 
@@ -277,7 +276,7 @@ float64 z
         to: &mut dyn Write,
     ) -> io::Result<()> {
         let rad_per_s = head.rad_per_s.ok_or(ErrorKind::InvalidInput)?;
-        // Chunks are written whole, so that nothing is sought in `to`; their index is all that grows.
+        // Chunks are written whole, so that nothing is sought in `to`.
         let options = WriteOptions::new().disable_seeking(true).compression(None).library("sagnac");
         let mut writer = options.create(NoSeek::new(to)).map_err(of_file)?;
         let schema = writer.add_schema("sensor_msgs/msg/Imu", "ros2msg", IMU.as_bytes()).map_err(of_file)?;
