@@ -52,7 +52,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     })
 }
 
-/// What has been read of a file.
+/// The part of a file that has been read.
 #[derive(Default)]
 struct Log {
     kinds: HashMap<u8, Kind>,
@@ -193,16 +193,17 @@ impl Log {
                 break;
             }
             match self.length(rest) {
-                Some(length) if length <= rest.len() => {
+                // Of a message that is damaged within, another one does not follow, and the bytes there are not its own.
+                Some(length) if length == rest.len() || self.is_message(rest) => {
                     self.take(rest[2], &rest[3..length])?;
                     at += length;
                 }
                 // The end of the file is within the message.
-                Some(_) => {
+                Some(length) if length > rest.len() || is_end && length + START.len() > rest.len() => {
                     self.is_cut = true;
                     break;
                 }
-                None => {
+                _ => {
                     // The next message and the start of the one behind it must lie in what has been read.
                     let searched = if is_end { rest.len() } else { rest.len() - AHEAD / 2 };
                     let next = (1..searched).find(|start| self.is_message(&rest[*start..]));

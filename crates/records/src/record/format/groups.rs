@@ -26,7 +26,7 @@ pub(crate) struct Vector {
     pub rule: Rule,
 }
 
-/// What another field says of a vector.
+/// The part of another field in the reading of a vector.
 pub(crate) enum Rule {
     Plain,
     /// The vector is an increment over the time in this field, µs, by which it is divided.

@@ -405,6 +405,8 @@ pub(crate) struct Messages {
     topics: BTreeMap<String, Group>,
     /// Other types of messages, for a refusal.
     others: Vec<String>,
+    /// Why messages with samples cannot be read.
+    unread: Vec<String>,
 }
 
 impl Messages {
@@ -419,12 +421,12 @@ impl Messages {
             }
         };
         let reader = Reader::new(kind, definition, known);
-        self.others.extend(match &reader {
-            Ok(Some(_)) => None,
-            Ok(None) => Some(kind.to_owned()),
-            Err(error) => Some(error.to_string()),
-        });
-        reader.ok().flatten()
+        match reader {
+            Ok(Some(reader)) => return Some(reader),
+            Ok(None) => self.others.push(kind.to_owned()),
+            Err(error) => self.unread.push(error.to_string()),
+        }
+        None
     }
 
     /// Takes a message of a topic.
@@ -453,12 +455,21 @@ impl Messages {
     /// There are no such messages.
     pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
         let groups = self.topics.into_values().collect();
-        Groups::open(file, groups, vec![], || {
-            let message =
-                format!("{file} has no messages of type sensor_msgs/Imu or others with angular rates");
-            let help =
-                format!("it holds {}: give a record with an IMU, in an encoding of ROS", held(self.others));
-            RecordError::new(message, "", help, None)
+        let notes = self.unread.iter().map(|why| format!("a topic is not read: {why}")).collect();
+        Groups::open(file, groups, notes, || match &self.unread[..] {
+            [] => {
+                let message =
+                    format!("{file} has no messages of type sensor_msgs/Imu or others with angular rates");
+                let help = format!(
+                    "it holds {}: give a record with an IMU, in an encoding of ROS",
+                    held(self.others)
+                );
+                RecordError::new(message, "", help, None)
+            }
+            unread => {
+                let message = format!("{file} cannot be read: {}", unread.join("; "));
+                RecordError::new(message, "", "record it as MCAP, which has the definitions", None)
+            }
         })
     }
 }

@@ -40,7 +40,13 @@ const PACKINGS: &[Packing] = &[
 impl Packing {
     /// The compression of a file that begins so, if it has one that is read.
     pub(crate) fn new(head: &[u8]) -> Option<&'static Packing> {
-        PACKINGS.iter().find(|packing| head.starts_with(packing.begins))
+        let is_so = |packing: &&Packing| {
+            // A text may begin with the letters of bzip2, behind which is the size of its blocks.
+            let is_size = |byte: &u8| (b'1'..=b'9').contains(byte);
+            head.starts_with(packing.begins)
+                && (packing.name != "bzip2" || head.get(packing.begins.len()).is_some_and(is_size))
+        };
+        PACKINGS.iter().find(is_so)
     }
 
     /// All bytes in a file of `stored` bytes.

@@ -44,7 +44,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     })
 }
 
-/// What has been read of a file.
+/// The part of a file that has been read.
 #[derive(Default)]
 struct Log {
     /// Fields of each format, as `type name`.
@@ -54,6 +54,8 @@ struct Log {
     groups: Vec<Group>,
     /// Names of topics without samples.
     others: Vec<String>,
+    /// Number of messages of kinds that ULog does not define.
+    unknown: usize,
     /// Number of dropouts, and their length, ms.
     dropouts: (usize, u64),
     is_cut: bool,
@@ -132,8 +134,12 @@ impl Log {
                 self.dropouts.1 += u64::from(u16::from_le_bytes(*length));
                 Ok(())
             }
-            // Texts, parameters, marks for synchronization, and what later versions add.
-            _ => Ok(()),
+            // Texts, parameters and marks for synchronization.
+            b'I' | b'M' | b'P' | b'Q' | b'L' | b'C' | b'S' | b'R' => Ok(()),
+            _ => {
+                self.unknown += 1;
+                Ok(())
+            }
         }
     }
 
@@ -202,7 +208,10 @@ impl Log {
         let (count, length_ms) = self.dropouts;
         let dropouts = format!("the logger dropped samples {count} times, for {length_ms} ms in all");
         let cut = "the log was cut off, as by a loss of power, and is read as far as it goes".to_owned();
-        let notes = [(count > 0).then_some(dropouts), self.is_cut.then_some(cut)];
+        let unknown =
+            format!("{} messages of unknown kinds are passed over: the log may be damaged", self.unknown);
+        let unknown = (self.unknown > 0).then_some(unknown);
+        let notes = [(count > 0).then_some(dropouts), self.is_cut.then_some(cut), unknown];
         notes.into_iter().flatten().collect()
     }
 }
