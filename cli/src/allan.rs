@@ -31,7 +31,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let mut documents: Vec<String> = Vec::new();
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
-        if let Some(curve) = options.reading.curve(path, options.confidence)? {
+        if let Some(curve) = options.reading.curve(path, Some(options.confidence))? {
             options.check_curve(path)?;
             let fitting = allan.noise.fitting.as_ref();
             let outcome = use_cases::fit_curve(curve, path, fitting, &allan.limits)?;

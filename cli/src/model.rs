@@ -117,7 +117,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     };
     let is_noise = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     // The options of logs mean nothing for a noise.toml.
-    let curve = if is_noise { None } else { reading.curve(path, options.confidence)? };
+    let curve = if is_noise { None } else { reading.curve(path, None)? };
     let log = if is_noise || curve.is_some() { None } else { Some(reading.read(path, &reading.request()?)?) };
     let source = match (&curve, &log) {
         (Some(curve), _) => ModelSource::Curve(curve, path),

@@ -263,19 +263,22 @@ impl Reading {
         })
     }
 
-    /// Reads the curve at `path`, if the file is one, whose intervals have this probability if the file does not state it.
+    /// Reads the curve at `path`, if the file is one and no option is of logs. Its intervals have this probability if the file does not
+    /// state it.
     ///
     /// # Errors
     /// The curve is refused.
-    pub fn curve(&self, path: &Path, confidence: f64) -> Result<Option<CurveFile>, Failure> {
-        if self.binary.is_some() || !CurveFile::is_one(path) {
+    pub fn curve(&self, path: &Path, confidence: Option<f64>) -> Result<Option<CurveFile>, Failure> {
+        let is_log =
+            self.binary.is_some() || !self.rate.is_empty() || self.time.is_some() || self.data.is_some();
+        if is_log || !CurveFile::is_one(path) {
             return Ok(None);
         }
         let request = CurveRequest {
             column: self.column.first().cloned(),
             unit: self.unit.first().cloned(),
             time_unit: self.time_unit.clone(),
-            confidence: Some(confidence).filter(|p| *p != 0.95),
+            confidence,
             errors: self.curve_interval,
         };
         Ok(Some(CurveFile::read(path, &request)?))
@@ -336,7 +339,9 @@ pub fn study(path: &Path) -> Result<Study, Failure> {
 pub fn log(path: &Path) -> Result<(), Failure> {
     if ending(path) == "toml" {
         let path = path.display();
-        let message = format!("{path} is a study, not a log\nrun it with `sagnac run {path}`");
+        let message = format!(
+            "{path} is a study or a noise file, not a log\nrun a study with `sagnac run {path}`; a noise file is for sagnac model and simulate"
+        );
         return Err(Failure::Usage(message));
     }
     Ok(())

@@ -31,7 +31,7 @@ const PLACES: f64 = 12.0;
 pub struct Analysis {
     /// Path of the file.
     pub path: PathBuf,
-    /// What was read.
+    /// The curve that was read.
     pub file: CurveFile,
     /// The curve as a column of a log would have it.
     pub column: Column,
@@ -164,7 +164,7 @@ impl Analysis {
             &self.column,
             &self.path,
             &data,
-            &format!("errors of the points {}", self.file.errors),
+            &format!("errors of the points: {}", self.file.errors),
         )
     }
 

@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::allan::{Deviation, Unit as Curves};
+use crate::fit::uncertainty::WITHIN_95;
 use crate::record::RecordError;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::names::{Name, unit_of};
@@ -24,12 +25,11 @@ const MAX_LINES: usize = 64;
 const HEAD: u64 = 64 << 10;
 /// Names of times, which a log has and a curve has not.
 const TIMES: [&str; 4] = ["time", "t", "timestamp", "stamp"];
-/// Standard errors from the middle to the ends of a 95 % interval.
-const SIDE: f64 = 1.959_963_984_540_054;
 /// Half the 95 % interval that points get of which nothing is known, in parts of their values.
 const ASSUMED: f64 = 0.1;
-/// Fewest points of a curve.
+/// Fewest points of a curve, and most, of which every two have a covariance.
 const MIN_POINTS: usize = 3;
+const MAX_POINTS: usize = 500;
 
 const TAUS: [&str; 6] = ["tau", "taus", "τ", "averagingtime", "averagingtimes", "clustertime"];
 const DEVIATIONS: [(&str, Deviation); 24] = [
@@ -106,7 +106,7 @@ pub struct CurveRequest {
     pub unit: Option<String>,
     /// The unit of the averaging times; if absent, that in the header, or s.
     pub time_unit: Option<String>,
-    /// Probability of the intervals that the file states; if absent, what the file says, or 0.95.
+    /// Probability of the intervals of a file that does not state it; if absent, 0.95.
     pub confidence: Option<f64>,
     /// The errors of the points, in place of those that the file states.
     pub errors: Option<Errors>,
@@ -117,7 +117,7 @@ pub struct CurveRequest {
 pub enum Errors {
     /// Half the 95 % interval of each deviation, in parts of it.
     Part(f64),
-    /// Those of a record of this length, s.
+    /// The errors that a record of this length, s, would have.
     Record(f64),
 }
 
@@ -128,6 +128,13 @@ enum Delimiter {
     /// Two and more blanks; names may contain one.
     Wide,
     Blank,
+}
+
+impl Delimiter {
+    /// Signs between the cells of rows: any blanks, where names are divided by several.
+    fn of_rows(self) -> Delimiter {
+        if self == Delimiter::Wide { Delimiter::Blank } else { self }
+    }
 }
 
 /// A line with its number from 1.
@@ -195,7 +202,15 @@ impl<'t> Header<'t> {
                 let cells = line().cells(delimiter);
                 let names: Vec<Name> = cells.iter().map(|cell| Name::read(&shown[cell.clone()])).collect();
                 let tau = names.iter().position(|name| TAUS.contains(&&*plain(&name.bare)))?;
-                (names.len() > 1).then(|| Header { line: line(), delimiter, names, cells, tau })
+                // In the header of a log of Stable32, `Tau` stands before a number.
+                let is_number = |cell: &Range<usize>| shown[cell.clone()].parse::<f64>().is_ok();
+                (names.len() > 1 && !cells.iter().any(is_number)).then(|| Header {
+                    line: line(),
+                    delimiter,
+                    names,
+                    cells,
+                    tau,
+                })
             })
         })
     }
@@ -233,17 +248,34 @@ fn plain(name: &str) -> String {
 }
 
 fn deviation_of(name: &str) -> Option<Deviation> {
-    DEVIATIONS.iter().find(|(known, _)| *known == plain(name)).map(|(_, deviation)| *deviation)
+    let name = plain(name);
+    let known = DEVIATIONS.iter().find(|(known, _)| *known == name).map(|(_, deviation)| *deviation);
+    known.or_else(|| name.parse().ok())
 }
 
 impl CurveFile {
-    /// Whether the file at `path` has a curve: a header with a column of averaging times and none of times. Of a file that cannot be
-    /// read this says no.
+    /// Whether the file at `path` has a curve: a header with a column of averaging times, one of deviations, and none of times. Of
+    /// what is no file, such as a pipe, which can be read only once, or cannot be read, this says no.
     pub fn is_one(path: &Path) -> bool {
+        if !path.is_file() {
+            return false;
+        }
         let mut head = vec![];
         let read = open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
         let text = decoded(&head);
-        let is_curve = |header: Header| header.columns(|name| TIMES.contains(&name)).is_empty();
+        let is_curve = |header: Header| {
+            let has = |is: &dyn Fn(&str) -> bool| !header.columns(is).is_empty();
+            // Below a comment with such words are no averaging times; below a header may be a row of units.
+            let delimiter = header.delimiter.of_rows();
+            let is_row = |text: &str| {
+                let line = Line { number: 0, text };
+                let cell = line.cells(delimiter).get(header.tau).cloned();
+                cell.is_some_and(|cell| number(&text[cell]).is_some())
+            };
+            text.lines().skip(header.line.number).take(3).any(is_row)
+                && has(&|name| deviation_of(name).is_some())
+                && !has(&|name| TIMES.contains(&name))
+        };
         read.is_ok() && Header::find(&text).is_some_and(is_curve)
     }
 
@@ -374,21 +406,21 @@ impl Reader<'_> {
             row.error *= unit.factor;
             row.ends = row.ends.map(|end| end * unit.factor);
         }
+        let all = rows.len();
         rows.retain(|row| row.value > 0.0);
+        let without_value = all - rows.len();
         self.check(&mut rows)?;
         let (errors, source, is_assumed) = self.errors(&rows);
         let mut notes = vec![format!("read as a curve, not as a log: {} points of `{name}`", rows.len())];
+        if without_value > 0 {
+            notes.push(format!("{without_value} rows without a positive deviation are left out"));
+        }
         if tau_unit.is_none() {
             notes.push("the averaging times are taken in s".to_owned());
         }
         if is_assumed {
-            let advice = match request.errors {
-                Some(_) => "",
-                None => {
-                    "; others are given as in `curve_interval = 5%`, or by the length of the record, as in `curve_interval = 9h`"
-                }
-            };
-            notes.push(format!("the errors of the points are assumed: {source}{advice}"));
+            let advice = "others are given as in `curve_interval = 5%`, or by the length of the record, as in `curve_interval = 9h`";
+            notes.push(format!("the errors of the points are assumed: {source}; {advice}"));
         } else {
             notes.push(format!("the errors of the points are {source}"));
         }
@@ -397,8 +429,8 @@ impl Reader<'_> {
             notes.push(format!("{} points without an interval are left out", rows.len() - known));
         }
         let point = |(row, error): (&Row, Option<f64>)| {
-            let (error, stated) = (error?, row.ends[0] > 0.0 && !is_assumed && request.confidence.is_none());
-            let factor = libm::exp(SIDE * error);
+            let (error, stated) = (error?, row.ends[0] > 0.0 && !is_assumed && request.errors.is_none());
+            let factor = libm::exp(WITHIN_95 * error);
             let interval = match stated && self.confidence() == 0.95 {
                 true => row.ends,
                 false => [row.value / factor, row.value * factor],
@@ -445,8 +477,8 @@ impl Reader<'_> {
             texts(line, *column) == name && texts(line, *deviation) == kind.name()
         };
         let has = |kind: &Deviation| lines.iter().any(|line| is_of(line, *kind));
-        let all = [Deviation::Oadev, Deviation::Adev, Deviation::Ohdev, Deviation::Hdev, Deviation::Mdev];
-        let kind = all.into_iter().find(has).unwrap_or(Deviation::Tdev);
+        let allan = [Deviation::Oadev, Deviation::Adev].into_iter();
+        let kind = allan.chain(Deviation::ALL).find(has).unwrap_or(Deviation::Adev);
         let lines: Vec<Line> = lines.into_iter().filter(|line| is_of(line, kind)).collect();
         let unit = lines.first().map(|line| texts(line, *unit)).unwrap_or_default();
         Ok((lines, name, kind, unit))
@@ -505,6 +537,12 @@ impl Reader<'_> {
             Some(Deviation::Adev) if kind.starts_with("modified") => Deviation::Mdev,
             Some(Deviation::Adev) if kind.starts_with("overlapping") => Deviation::Oadev,
             Some(Deviation::Adev) if kind.starts_with("time") => Deviation::Tdev,
+            Some(Deviation::Adev) if kind.contains("total") => Deviation::Totdev,
+            Some(Deviation::Adev) if kind.starts_with("theo1") => Deviation::Theo1,
+            Some(Deviation::Adev) if kind.starts_with("theoh") || kind.starts_with("theobr") => {
+                Deviation::Theoh
+            }
+            Some(Deviation::Adev) if kind.starts_with("mtie") => Deviation::Mtie,
             found => found.unwrap_or(Deviation::Adev),
         }
     }
@@ -521,7 +559,7 @@ impl Reader<'_> {
             let text = self.stated("Confidence Factor")?.trim_start_matches([' ', '=']);
             text.parse().ok().filter(|p: &f64| *p > 0.0 && *p < 1.0)
         };
-        self.request.confidence.or_else(stated).unwrap_or(0.95)
+        stated().or(self.request.confidence).unwrap_or(0.95)
     }
 
     fn unit(&self, unit: Option<String>, value: usize) -> Result<Unit, RecordError> {
@@ -543,12 +581,8 @@ impl Reader<'_> {
         lines.map(|(text, number)| Line { number, text }).filter(is_row).collect()
     }
 
-    /// Signs between the cells of rows: any blanks, where names are divided by several.
     fn cells(&self, line: &Line) -> Vec<Range<usize>> {
-        line.cells(match self.header.delimiter {
-            Delimiter::Wide => Delimiter::Blank,
-            delimiter => delimiter,
-        })
+        line.cells(self.header.delimiter.of_rows())
     }
 
     fn cell<'l>(&self, line: &Line<'l>, column: usize) -> Option<&'l str> {
@@ -627,6 +661,11 @@ impl Reader<'_> {
                 format!("{} has {} points, a fit needs at least {MIN_POINTS}", self.file, rows.len());
             return Err(RecordError::new(message, "", "add rows, each with τ and its deviation", None));
         }
+        if rows.len() > MAX_POINTS {
+            let message = format!("{} has {} points of a curve", self.file, rows.len());
+            let help = format!("give up to {MAX_POINTS}, such as ten in a decade of τ");
+            return Err(RecordError::new(message, "", help, None));
+        }
         Ok(())
     }
 
@@ -642,16 +681,16 @@ impl Reader<'_> {
             Some(Errors::Part(part)) => {
                 let percent = significant(100.0 * part, 3);
                 return (
-                    vec![Some(part / SIDE); rows.len()],
+                    vec![Some(part / WITHIN_95); rows.len()],
                     format!("95 % intervals of ±{percent} %, as given"),
-                    true,
+                    false,
                 );
             }
             Some(Errors::Record(length_s)) => {
                 return (
                     of_record(length_s),
                     format!("those of a record of {} s, as given", shown(length_s)),
-                    true,
+                    false,
                 );
             }
             None => {}
@@ -684,7 +723,7 @@ impl Reader<'_> {
             }
             None => {
                 let source = "95 % intervals of ±10 %";
-                (vec![Some(ASSUMED / SIDE); rows.len()], source.to_owned(), true)
+                (vec![Some(ASSUMED / WITHIN_95); rows.len()], source.to_owned(), true)
             }
         }
     }
