@@ -22,7 +22,7 @@ use crate::analysis::log::report::heading;
 use crate::analysis::log::{self, NoiseRequest, Treatment, noise_file};
 use crate::analysis::model::tables::Models;
 use crate::analysis::model::target::{Source, Target, of_file, of_text};
-use crate::analysis::model::writers::{WRITERS, texts};
+use crate::analysis::model::writers::{WRITERS, notes, texts};
 use crate::analysis::model::{self, ModelError, ModelRequest};
 use crate::analysis::navigators::{self, NavigatorRequest, navigators};
 use crate::analysis::page::{
@@ -431,7 +431,9 @@ pub fn model_noise(
     let texts = texts(&analysis, &request.writers);
     let files = WRITERS.iter().map(|writer| writer.file);
     let names = ["model.csv", "model", "model-accelerometers"].into_iter().chain(files);
-    let mut outcome = Outcome::new(analysis.source.heading.clone(), of_model(&analysis, &texts)).among(names);
+    let mut page = of_model(&analysis, &texts);
+    page.notes.extend(notes(&analysis, &request.writers));
+    let mut outcome = Outcome::new(analysis.source.heading.clone(), page).among(names);
     outcome.files = texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())).collect();
     outcome.models = Some(Models::new(&analysis));
     Ok(outcome)

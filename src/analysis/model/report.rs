@@ -142,7 +142,8 @@ impl Analysis {
             && excess > reached
         {
             let reading = Reading::in_unit("excess", 100.0 * excess, "%", None);
-            facts.push(value(&format!("With {states} states"), reading, "above".to_owned()));
+            let name = format!("With {states} state{}", if states == 1 { "" } else { "s" });
+            facts.push(value(&name, reading, "above".to_owned()));
         }
         let missed = tried.last().is_some_and(|(_, excess)| *excess > self.request.margin);
         if missed && self.request.states.is_none() && self.request.aim != Aim::Describe {
@@ -194,11 +195,15 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         ))
     });
     let widened = analysis.columns.iter().filter_map(|column| widened(column, analysis));
-    let is_bound =
-        analysis.request.aim != Aim::Describe && analysis.columns.iter().any(|column| column.target.has_band);
-    let bound = is_bound.then(|| {
-        "the model bounds the noise of further records: its values are larger than the estimates".to_owned()
-    });
+    let has_band = analysis.columns.iter().any(|column| column.target.has_band);
+    let bounded = match analysis.request.aim {
+        Aim::Describe => None,
+        Aim::Bound => Some("the record, with its band"),
+        Aim::BoundRepeat => Some("the noise of further records"),
+    };
+    let bound = bounded
+        .filter(|_| has_band)
+        .map(|bounded| format!("the model bounds {bounded}: its values are larger than the estimates"));
     bound.into_iter().chain(analysis.source.notes.iter().cloned()).chain(widened).chain(quantized).collect()
 }
 

@@ -123,7 +123,7 @@ pub(crate) fn find(target: &Target, request: &ModelRequest) -> Result<Found, Mod
             let model = Model { quantization: quantization(target, request.aim), white, ..model };
             Ok(Found { model, tried, bounds })
         }
-        None => Err(outside(target, &bounds, &times)),
+        None => Err(outside(target, &bounds, &times, request.states.unwrap_or(MAX_STATES))),
     }
 }
 
@@ -262,13 +262,13 @@ fn choices(count: usize, taken: usize) -> Vec<Vec<usize>> {
 }
 
 /// Where the nearest model leaves the band: that of least squares of most states.
-fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
+fn outside(target: &Target, bounds: &[f64], times: &[f64], states: usize) -> ModelError {
     let open = Problem {
         least: vec![0.0; bounds.len()],
         most: vec![f64::INFINITY; bounds.len()],
         ..problem(target, bounds, Aim::Describe)
     };
-    let nearest = open.best(Allowed { walk: true, states: MAX_STATES, times }).unwrap_or_default();
+    let nearest = open.best(Allowed { walk: true, states, times }).unwrap_or_default();
     let nearest = Model { quantization: quantization(target, Aim::Describe), ..nearest };
     let off = target.points.iter().map(|point| {
         let deviation = nearest.deviation(point.tau_s);
@@ -279,7 +279,7 @@ fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
     let shown = |x: f64| significant(x, 4).into();
     ModelError::NotWithin {
         column: target.name.as_str().into(),
-        most: MAX_STATES,
+        most: states,
         from_s: shown(from_s),
         to_s: shown(to_s),
         tau_s: shown(tau_s),

@@ -130,17 +130,42 @@ impl Writer {
 /// What the model of a sensor does, with what a tool lacks.
 fn said(column: &Column, model: &Model, analysis: &Analysis) -> String {
     let all = bounded(column, analysis);
-    if *model == column.found.model {
-        return all;
+    match raised(column, model) {
+        None => all,
+        Some(times) => format!(
+            "this tool lacks parts of the model that was found; what it has is raised until it is nowhere below that model, and is up to {} \
+             times as large. Of the model that was found: {all}",
+            significant(times, 3)
+        ),
     }
-    let [from_s, to_s] = column.target.taus();
-    let ratio = grid([from_s, to_s])
-        .into_iter()
-        .map(|tau_s| model.deviation(tau_s) / column.found.model.deviation(tau_s));
-    let times = significant(ratio.fold(1.0, f64::max), 3);
-    format!(
-        "{all} This tool lacks parts of that model; what it has is raised until it is nowhere below, and lies at most {times} times above it"
-    ) + "."
+}
+
+/// How many times as large as the model of a column the `model` for a tool is at most; `None` where it is the same.
+fn raised(column: &Column, model: &Model) -> Option<f64> {
+    let ratio = |tau_s: f64| model.deviation(tau_s) / column.found.model.deviation(tau_s);
+    (*model != column.found.model)
+        .then(|| grid(column.target.taus()).into_iter().map(ratio).fold(1.0, f64::max))
+}
+
+/// The least ratio of a tool's model to the one found that a note tells.
+const TOLD: f64 = 1.2;
+
+/// Notes on files for tools that lack parts of the models.
+pub fn notes(analysis: &Analysis, writers: &[&'static Writer]) -> Vec<String> {
+    let note = |writer: &&'static Writer| {
+        let times =
+            analysis.columns.iter().filter_map(|column| raised(column, &reduced(column, writer.takes, None)));
+        let times = times.fold(1.0, f64::max);
+        (times > TOLD).then(|| {
+            format!(
+                "{} is up to {} times as large as the model: {} lacks its Gauss–Markov states; `states = 0` fits N and K alone",
+                writer.file,
+                significant(times, 2),
+                writer.tool
+            )
+        })
+    };
+    writers.iter().filter_map(note).collect()
 }
 
 /// Times between two, closer than those of correlation.
