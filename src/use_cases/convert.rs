@@ -108,6 +108,7 @@ fn of_pulse(x: f64) -> f64 {
 }
 
 const GIVEN_ONE_SIDED: &str = "N, if the density given is one-sided";
+const OF_MINIMUM: &str = "B, of this minimum of the Allan deviation, where N and K add nothing";
 
 /// Gyros first, then accelerometers.
 const COEFFICIENTS: [Coefficient; 11] = [
@@ -131,11 +132,11 @@ const COEFFICIENTS: [Coefficient; 11] = [
     Coefficient {
         name: "rate: bias instability B, or the minimum of an Allan deviation",
         key: "bias_instability",
-        taken: &["rate", "B, of this minimum of the Allan deviation"],
+        taken: &["rate", OF_MINIMUM],
         conventions: &[
             convention("rate", same, &["°/h", "″/s", "°/s", "rad/s"]),
             convention("minimum of the Allan deviation, of this B", minimum, &["°/h", "rad/s"]),
-            convention("B, of this minimum of the Allan deviation", of_minimum, &["°/h", "rad/s"]),
+            convention(OF_MINIMUM, of_minimum, &["°/h", "rad/s"]),
         ],
     },
     Coefficient {
@@ -195,7 +196,7 @@ const COEFFICIENTS: [Coefficient; 11] = [
         conventions: &[
             convention("acceleration", same, &["µg", "mg", "m/s^2"]),
             convention("minimum of the Allan deviation, of this B", minimum, &["µg", "m/s^2"]),
-            convention("B, of this minimum of the Allan deviation", of_minimum, &["µg", "m/s^2"]),
+            convention(OF_MINIMUM, of_minimum, &["µg", "m/s^2"]),
         ],
     },
     Coefficient {
@@ -257,7 +258,11 @@ pub fn convert(text: &str) -> Result<Conversion, UnitError> {
         }
     }
     let of = |convention: &&str| rows.iter().find(|row| row.convention == *convention);
-    let line = |row: &Converted| format!("{key} = \"{}\"  # {}", row.text(), row.convention);
+    let line = |row: &Converted| {
+        let is_density = row.convention == "N" && text.contains("Hz");
+        let meaning = if is_density { "N, if the density given is two-sided" } else { row.convention };
+        format!("{key} = \"{}\"  # {meaning}", row.text())
+    };
     let lines = taken.iter().filter_map(of).map(line).collect();
     Ok(Conversion { quantity: name, rows, lines })
 }
