@@ -104,13 +104,14 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
         [] => String::new(),
         at => format!("# The records are those of the point with {}.\n", at.join(", ")),
     };
-    let text = place + &study.resolved(study.trials);
+    let numbers = options.data.title();
+    let text = format!("# The records have {numbers}.\n{place}{}", study.resolved(study.trials));
     // Records of other noise beside them would have another study.
     let known = path.join(STUDY);
     if known.exists() && read_text(&known, MAX_TOML).ok().as_deref() != Some(&text) {
         let path = path.display();
         return Err(Failure::Usage(format!(
-            "{path} holds records of other noise, or of another seed or point\ngive another folder with --out"
+            "{path} holds records of other noise, other numbers, or of another seed or point\ngive another folder with --out"
         )));
     }
     write_inputs(study, &folder)?;

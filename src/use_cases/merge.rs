@@ -30,7 +30,7 @@ pub struct MergeRequest {
 pub struct MergeOutcome {
     /// The folder of the combined results.
     pub folder: Folder,
-    /// Its store.
+    /// The store of the combined results.
     pub store: Store,
     /// Number of trials that the store lacks.
     pub lacking: u64,
@@ -46,7 +46,7 @@ pub enum MergeError {
     NoStudy {
         /// The study that a folder of results contains.
         path: PathBuf,
-        /// Why it cannot be read.
+        /// The reason why it cannot be read.
         why: String,
     },
     /// Two folders have different studies.

@@ -63,9 +63,18 @@ pub enum Numbers {
 }
 
 impl Numbers {
-    /// All of them, by their names.
+    /// Every meaning, by its name.
     pub const NAMED: [(&str, Numbers); 3] =
         [("rate", Numbers::Rate), ("increment", Numbers::Increment), ("angle", Numbers::Angle)];
+
+    /// The name, with the unit.
+    pub fn title(self) -> &'static str {
+        match self {
+            Numbers::Rate => "rates in °/h",
+            Numbers::Increment => "angles of each sample in ″",
+            Numbers::Angle => "angles from the start in ″",
+        }
+    }
 }
 
 impl Simulation {

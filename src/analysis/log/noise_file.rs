@@ -34,7 +34,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     notes_of(&analysis.columns)
 }
 
-/// Those notes on some columns.
+/// Notes on some columns; see [`notes`].
 pub(crate) fn notes_of(columns: &[Column]) -> Vec<String> {
     let without = |(unit, why): (Unit, &str)| {
         let fitted = columns.iter().filter(|column| column.unit == unit && column.noise().is_some());

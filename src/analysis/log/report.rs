@@ -58,7 +58,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
         Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(row.curve.deviation)))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
         Of::new("alpha_from", Unit::NONE, "alpha_from", |row| text(alpha_from(row.point)))
-            .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, for example where there are fewer than 30 groups."),
+            .is(Role::Note, "`estimated` at this τ, or `carried` from a shorter one, for example where there are fewer than 30 groups."),
         Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
             .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed, temperature compensated."),
         Of::new("edf", Unit::NONE, "edf", |row| row.point.edf.into())

@@ -21,7 +21,7 @@ pub struct Hat {
     pub tau_s: f64,
     /// Number of differences averaged.
     pub terms: u64,
-    /// Those of the units, in the order of the records.
+    /// The variances of the units, in the order of the records.
     pub units: [UnitVariance; 3],
 }
 

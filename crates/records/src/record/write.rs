@@ -33,7 +33,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// All of them.
+    /// Every form.
     pub const ALL: [Form; 6] = [Form::Csv, Form::Npy, Form::Npz, Form::Mat, Form::Mcap, Form::Raw];
 
     /// The ending of a file's name.
@@ -69,7 +69,7 @@ impl Form {
     }
 }
 
-/// What samples are, and how many there are.
+/// The meaning of samples, and their number.
 #[derive(Debug, Clone, Copy)]
 pub struct Head {
     /// Name of the quantity, such as `rate`.
@@ -193,7 +193,7 @@ fn mat(head: &Head, samples: impl Iterator<Item = f64>, to: &mut dyn Write) -> i
     write_numbers(samples, to)
 }
 
-/// What precedes the numbers of a column vector of numbers of 8 bytes.
+/// The header of a column vector of numbers of 8 bytes.
 fn mat_header(name: &str, count: u64) -> Vec<u8> {
     let [matrix, flags, dimensions, text, numbers] = [14, 6, 5, 1, 9];
     let class = 6;

@@ -167,7 +167,8 @@ fn all(
     Ok(columns)
 }
 
-/// The words that name columns, with a number for each of a range such as `2-4`; none where all columns are meant.
+/// The words that name columns: a number for each of a range such as `2-4`, and the gyros of a sensor that is named; none where all
+/// columns are meant.
 pub(crate) fn expanded(file: &ColumnFile, words: &[String]) -> Vec<String> {
     let is_name = |word: &str| file.find(word, None).is_ok();
     if let [word] = words
@@ -183,7 +184,25 @@ pub(crate) fn expanded(file: &ColumnFile, words: &[String]) -> Vec<String> {
         columns
             .map_or_else(|| vec![word.clone()], |(a, b)| (a..=b).map(|number| number.to_string()).collect())
     };
-    words.iter().flat_map(range).collect()
+    let of_sensor = |word: String| match is_name(&word) {
+        true => vec![word],
+        false => Some(gyros_of(file, &word)).filter(|names| !names.is_empty()).unwrap_or(vec![word]),
+    };
+    words.iter().flat_map(range).flat_map(of_sensor).collect()
+}
+
+/// The columns of a sensor in a file of several: its gyros, or all that are no times where none is called a gyro.
+fn gyros_of(file: &ColumnFile, sensor: &str) -> Vec<String> {
+    let is_of = |name: &&Name| {
+        let rest = name.bare.strip_prefix(sensor).and_then(|rest| rest.strip_prefix('.'));
+        rest.is_some_and(|rest| rest != "time")
+    };
+    let all: Vec<&Name> = match file.groups().iter().any(|(group, _)| *group == sensor) {
+        true => file.names().iter().filter(is_of).collect(),
+        false => vec![],
+    };
+    let has_gyros = all.iter().any(|name| name.is_gyro());
+    all.into_iter().filter(|name| !has_gyros || name.is_gyro()).map(|name| name.bare.clone()).collect()
 }
 
 /// The columns that are proposed as samples: those that may have some, without those that hold one number, count or rise from row to row,
@@ -264,11 +283,7 @@ pub(crate) fn several_groups(file: &ColumnFile, request: &Request) -> Option<Rec
         return None;
     }
     let (largest, _) = groups.iter().rev().max_by_key(|(_, rows)| *rows)?;
-    let is_of = |name: &&Name| {
-        let rest = name.bare.strip_prefix(largest).and_then(|rest| rest.strip_prefix('.'));
-        rest.is_some_and(|rest| rest != "time")
-    };
-    let names: Vec<&str> = file.names().iter().filter(is_of).map(|name| name.bare.as_str()).take(3).collect();
+    let names: Vec<String> = gyros_of(file, largest).into_iter().take(3).collect();
     let listed: Vec<String> =
         groups.iter().take(MAX_LISTED).map(|(name, rows)| format!("{name} with {rows} samples")).collect();
     let more = if groups.len() > MAX_LISTED { ", …" } else { "" };

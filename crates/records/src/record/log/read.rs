@@ -202,6 +202,12 @@ impl Log {
             return Err(question);
         }
         let words = expanded(&file, &request.columns);
+        // Without a column, the sensor whose times count is not known either.
+        if file.groups().len() > 1
+            && let Some(error) = words.iter().find_map(|word| file.find(word, None).err())
+        {
+            return Err(error);
+        }
         let inferred = if request.data.is_none() { data_of(&file, &words) } else { None };
         notes.extend(inferred.as_ref().map(|(_, note)| note.clone()));
         let data = inferred.map(|(data, _)| data).or(request.data);
