@@ -58,6 +58,8 @@ fn a_curve_of_closed_form_gives_its_noise_and_meets_limits() {
     near("N", 0.05);
     near("B", 0.2 / 0.664_282_466_894_803_2);
     near("K", 0.01 * 60.0);
+    assert!(!shown.contains("are assumed"), "{shown}");
+    let shown = desk.done("allan curve.csv --out assumed").stdout;
     assert!(shown.contains("errors of the points are assumed"), "{shown}");
 }
 
