@@ -337,15 +337,23 @@ mod tests {
     #[test]
     fn what_is_damaged_is_passed_over_and_said() {
         let lost = [start(), gyr(), samples(0, 0..20), vec![0xa3; 77], samples(0, 20..40)].concat();
-        assert!(note(&lost, "77 bytes between messages"));
-        assert_eq!(channel(&lost, "gx").samples, (0..40).map(f64::from).collect::<Vec<_>>());
+        // The message before the damage may itself be damaged, as no other one follows it.
+        let last = samples(0, 19..20);
+        assert!(note(&lost, &format!("{} bytes between messages", 77 + last.len())));
+        let kept: Vec<f64> = channel(&lost, "gx").samples.into_iter().filter(|x| x.is_finite()).collect();
+        assert_eq!(kept, (0..40).filter(|i| *i != 19).map(f64::from).collect::<Vec<_>>());
+        // Foreign bytes in place of the end of a message make no sample.
+        let within = [start(), gyr(), samples(0, 0..20), last[..12].to_vec(), samples(0, 20..40)].concat();
+        assert!(note(&within, "bytes between messages"));
+        assert!(channel(&within, "gx").samples.iter().all(|x| !x.is_finite() || (0.0..40.0).contains(x)));
         let cut = [start(), gyr(), samples(0, 0..20)].concat();
         assert!(note(&cut[..cut.len() - 1], "cut off"));
         let batches =
             [start(), gyr(), described(30, 5, BATCH, "h", "x"), message(30, &[1, 2]), samples(0, 0..20)];
         assert!(note(&batches.concat(), "batches"));
         let long = [start(), gyr(), samples(0, 0..9000), vec![0; 3000], samples(0, 9000..9020)].concat();
-        assert!(note(&long, "3000 bytes") && channel(&long, "gx").samples.len() == 9020);
+        assert!(note(&long, &format!("{} bytes", 3000 + last.len())));
+        assert_eq!(channel(&long, "gx").samples.len(), 9020);
     }
 
     #[test]
