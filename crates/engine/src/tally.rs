@@ -443,7 +443,7 @@ fn bins_of_ranks<const N: usize>(filled: &[Filled], ranks: [f64; N]) -> [Option<
 /// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
 /// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
 /// ```
-pub(crate) fn z_score(value: f64, theory: f64, se: f64, proven: f64) -> Option<f64> {
+pub fn z_score(value: f64, theory: f64, se: f64, proven: f64) -> Option<f64> {
     let sigma = libm::hypot(se, proven);
     (sigma > 0.0 && (proven <= se || proven <= 0.05 * theory)).then(|| (value - theory) / sigma)
 }
