@@ -131,7 +131,7 @@ Units tell gyros from accelerometers; without --column all columns whose units f
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Recorded logs
+    /// Logs, or curves
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
