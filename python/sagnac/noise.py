@@ -239,6 +239,8 @@ class Conversion:
     quantity: str
     """The coefficient that has such a unit."""
     rows: tuple[Converted, ...]
+    lines: tuple[str, ...]
+    """Lines of a noise file, of which one is right; none for accelerometers."""
 
     def to(self, unit: str) -> float:
         """The value in another unit of the same coefficient.
@@ -280,5 +282,5 @@ def convert(value: str) -> Conversion:
     >>> found.rows[3].convention, found.rows[3].unit
     ('density of the rate, two-sided', '°/h/√Hz')
     """
-    quantity, rows = _sagnac.convert(value)
-    return Conversion(quantity, tuple(Converted(*row) for row in rows))
+    quantity, rows, lines = _sagnac.convert(value)
+    return Conversion(quantity, tuple(Converted(*row) for row in rows), tuple(lines))

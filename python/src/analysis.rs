@@ -353,10 +353,11 @@ pub fn model_of_noise<'py>(
 /// Convention, value and unit.
 type Converted = (&'static str, f64, &'static str);
 
-/// The name of the coefficient that a text gives, and its value in the units and conventions of data sheets.
+/// The name of the coefficient that a text gives, its value in the units and conventions of data sheets, and the lines of a noise
+/// file of which one is its own.
 #[pyfunction]
-pub fn convert(text: &str) -> PyResult<(&'static str, Vec<Converted>)> {
+pub fn convert(text: &str) -> PyResult<(&'static str, Vec<Converted>, Vec<String>)> {
     let found = use_cases::convert(text).map_err(|error| Failure::Usage(error.to_string()))?;
     let rows = found.rows.iter().map(|row| (row.convention, row.value, row.unit));
-    Ok((found.quantity, rows.collect()))
+    Ok((found.quantity, rows.collect(), found.lines))
 }

@@ -200,7 +200,9 @@ def test_conversions_are_those_that_the_program_prints(program: Program) -> None
         printed = subprocess.run([program.path, "convert", value], capture_output=True, encoding="utf-8", check=True)
         first, *lines = printed.stdout.splitlines()
         found = sagnac.convert(value)
-        assert first == f"{found.quantity} = {value}" and len(lines) == len(found.rows)
+        assert first == f"{found.quantity} = {value}"
+        of_file = [f"  {line}" for line in found.lines]
+        assert lines[len(found.rows) :] == (["in a noise file, one of", *of_file] if of_file else [])
         for row, line in zip(found.rows, lines):
             *_, number, unit = line.split()
             assert (float(number), unit) == (float(f"{row.value:.6g}"), row.unit.replace("^2", "²"))
