@@ -117,7 +117,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 38] = [
+const OPTIONS: [&str; 39] = [
     "at",
     "band",
     "binary",
@@ -147,6 +147,7 @@ const OPTIONS: [&str; 38] = [
     "scale",
     "segment",
     "skip",
+    "states",
     "tau",
     "temperature",
     "temperature_unit",
