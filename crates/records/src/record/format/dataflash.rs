@@ -149,7 +149,9 @@ impl Layout {
         let vectors = VECTORS.map(vector);
         let (time, unit) = TIMES.iter().find_map(|(label, unit)| Some((place(label)?, *unit)))?;
         let is_whole = start + 3 == length && vectors.iter().any(Option::is_some);
-        is_whole.then(|| Layout { time, unit, vectors, instance: place("I") })
+        // The numbers of sensors are bytes.
+        let instance = place("I").filter(|place| place.number.size == 1);
+        is_whole.then_some(Layout { time, unit, vectors, instance })
     }
 
     /// The sample of a message and the number of its sensor. `numbers` is used in between.
