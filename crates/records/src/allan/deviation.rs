@@ -329,7 +329,7 @@ pub enum TauError {
          give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooMany(usize),
-    /// The same for a deviation whose work at one τ grows with τ.
+    /// The record is too long for all averaging times of a deviation whose work at one τ grows with τ.
     #[error(
         "`tau = all` of {deviation} is for at most {MAX_FOR_ALL_OF_CUBE} samples, the record has {samples}: its work grows with \
          their cube\ngive `tau = decade20`"
