@@ -8,8 +8,8 @@ use sagnac::report::answer::Answer;
 use sagnac::report::chart::Picture;
 use sagnac::report::page::{Block, Page, Section};
 use sagnac::table::{Table, Unit};
+use sagnac::view::Drawn;
 use sagnac::view::from_table;
-use sagnac::view::picture::Drawn;
 
 fn main() {
     divan::main();

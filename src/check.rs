@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 
-use crate::view::picture::file_names;
+use crate::view::file_names;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
 use sagnac_base::text_file::read_bytes;

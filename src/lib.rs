@@ -53,7 +53,7 @@
 //! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | progress of a run, and a way to stop it |
 //! | [`select`](verify::select), [`verify`](verify::verify) | the choice of a device, and the check of its bits |
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
-//! | [`Page`](report::page::Page), [`Figure`](report::chart::figure::Figure), [`pictures`](view::picture::pictures) | pages, and charts |
+//! | [`Page`](report::page::Page), [`Figure`](report::chart::figure::Figure), [`pictures`](view::pictures) | pages, and charts |
 //! | [`Log`](record::log::Log), [`Samples`](record::log::Samples) | recorded data, from files and from memory |
 //! | [`curve`](allan::curve()), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
 //! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::{self, one_of};
 use crate::failure::Failure;
-use crate::outcome::save;
+use crate::output::save;
 use crate::output::{Output, print_documents, write_new};
 use crate::reading::{Reading, seconds};
 use clap::Args;

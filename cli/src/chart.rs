@@ -8,14 +8,14 @@ use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::Column;
 use sagnac::tally::Share;
-use sagnac::view::picture::{incomplete, pictures, shown};
+use sagnac::view::{incomplete, pictures, shown};
 use sagnac_engine::chart::{Chart, Named};
 use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::arg_parsers::on;
 use crate::failure::Failure;
-use crate::outcome::write_pictures;
+use crate::output::write_pictures;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
 use crate::results::{held, is_chart_stem, summary};

@@ -11,7 +11,7 @@ use sagnac_base::quantity::Dimension;
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
 use crate::filler::at_least_0;
-use crate::outcome::spell;
+use crate::output::spell;
 use crate::program::{DeviceArg, Sampling};
 use crate::progress::Shown;
 use crate::{arg_parsers, reading};

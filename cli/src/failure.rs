@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::decision::DecisionError;
-use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::firmware::ChoiceError;
 use sagnac::analysis::model::ModelError;
 use sagnac::device::GpuError;
 use sagnac::device::select::SelectError;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::on;
 use crate::failure::Failure;
-use crate::outcome::finish;
+use crate::output::finish;
 use crate::output::{Printed, print_documents};
 use crate::reading;
 use clap::Args;

@@ -32,7 +32,6 @@ mod generate;
 mod look;
 mod merge;
 mod model;
-mod outcome;
 mod output;
 mod program;
 mod progress;

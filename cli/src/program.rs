@@ -17,7 +17,7 @@ use sagnac_engine::key::docs::{note, present};
 
 use crate::arg_parsers::whole;
 use crate::failure::{EXIT_CODES, Failure};
-use crate::outcome::finish;
+use crate::output::finish;
 use crate::output::{Printed, print_documents};
 use crate::progress::{self, How};
 

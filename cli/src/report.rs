@@ -12,7 +12,7 @@ use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::tally::Share;
 use sagnac::use_cases::{Sampled, absolute, once, study_outcome};
-use sagnac::view::picture::incomplete;
+use sagnac::view::incomplete;
 use sagnac_base::text_file::read_bytes;
 
 use crate::chart::{Redraw, redraw};

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use crate::failure::Failure;
 use crate::look;
-use crate::outcome::{LINES_OF_FACTS, save_page, save_text, show, show_facts, show_result, spell};
-use crate::output::{Printed, write_table};
+use crate::output::{
+    LINES_OF_FACTS, Printed, save_page, save_text, show, show_facts, show_result, spell, write_table,
+};
 use crate::progress::Shown;
-use sagnac::report::chart::notes::ChartError;
+use sagnac::report::chart::ChartError;
 use sagnac::run::{Plan, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
@@ -15,8 +16,8 @@ use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::use_cases::{Sampled, study_outcome};
-use sagnac::view::picture::{refused, shown as curves, written};
 use sagnac::view::stack::Shown as Curves;
+use sagnac::view::{refused, shown as curves, written};
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::chart::{Chart, Source};
 
@@ -28,7 +29,7 @@ pub fn held(folder: &Folder, plan: &Plan) -> Result<Store, Failure> {
     Ok(store::Source::open_in(folder)?.into_store(&plan.identity())?)
 }
 
-/// Whether [`chart_stem`](sagnac::view::picture::chart_stem) gives this name to a chart.
+/// Whether [`chart_stem`](sagnac::view::chart_stem) gives this name to a chart.
 pub fn is_chart_stem(stem: &str) -> bool {
     let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
     stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))

@@ -7,7 +7,7 @@ use sagnac::analysis::sensitivity::{SensitivityError, SensitivityRequest, sensit
 use sagnac::study::Study;
 
 use crate::failure::{Failure, in_options};
-use crate::outcome::spell;
+use crate::output::spell;
 use crate::program::{DeviceArg, Sampling};
 use crate::progress::Shown;
 use crate::{arg_parsers, chart, reading};

@@ -4,7 +4,7 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 use sagnac::allan::deviation::TauError;
 use sagnac::analysis::decision::DecisionError;
-use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::firmware::ChoiceError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::device::select::SelectError;

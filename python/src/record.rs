@@ -20,7 +20,7 @@ use sagnac::record::excess;
 use sagnac::record::log::measure::{Data, Doubt, MIN_SAMPLES, Unit};
 use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::{Fault, Log, MAX_SAMPLES, Samples};
-use sagnac::report::page::document::{Rows, json};
+use sagnac::report::page::{Rows, json};
 use sagnac::table::Table;
 use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{Estimator, FLAT_LEVEL, Part};

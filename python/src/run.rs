@@ -16,7 +16,7 @@ use sagnac::tally::Share;
 use sagnac::use_cases::Outcome;
 use sagnac::use_cases::{Sampled, study_outcome};
 use sagnac::verify::select;
-use sagnac::view::picture::pictures;
+use sagnac::view::pictures;
 use sagnac_engine::chart::Source;
 
 use super::analysis::chart;

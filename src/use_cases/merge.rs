@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
-use crate::view::picture::file_names;
+use crate::view::file_names;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
 use sagnac_engine::run::{Plan, RESOLVED, RunError, keep};

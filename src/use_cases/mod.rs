@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use crate::analysis::model::tables::{ModelDocument, Models};
 use sagnac_base::table::Table;
 use sagnac_report::page::Page;
-use sagnac_report::page::document::{Document, Provenance, json};
+use sagnac_report::page::{Document, Provenance, json};
 
 pub use convert::{Conversion, Converted, convert};
 pub use logs::{

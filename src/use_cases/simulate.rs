@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use crate::analysis::firmware::choice::{find, swept, value_of};
+use crate::analysis::firmware::{find, swept, value_of};
 use sagnac_base::diagnostics::{StudyError, listed};
 use sagnac_base::text_file::{MAX_TOML, read_text};
 use sagnac_engine::key::sweep::SweepValue;

@@ -7,7 +7,7 @@ use crate::use_cases::Outcome;
 use sagnac_base::progress::Progress;
 use sagnac_engine::run::{Plan, RESOLVED, RunStats, Tables};
 use sagnac_engine::store::Store;
-use sagnac_report::page::document::Provenance;
+use sagnac_report::page::Provenance;
 
 /// The state of the sampling of a study.
 #[derive(Debug, Clone, Default)]

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use sagnac_base::table::{Cell, Column, Role, Table};
 use sagnac_engine::chart::Chart;
-use sagnac_report::chart::notes::ChartError;
+use sagnac_report::chart::ChartError;
 
 /// The column with the names of the stacked quantities.
 pub const CURVE: &str = "curve";

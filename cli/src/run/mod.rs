@@ -13,7 +13,7 @@ use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::Share;
 use sagnac::use_cases::{Sampled, check_places};
-use sagnac::view::picture::pictures;
+use sagnac::view::pictures;
 use sagnac_base::quantity::number::{short, significant};
 use sagnac_base::quantity::{Dimension, parse as parse_quantity};
 

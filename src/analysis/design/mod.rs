@@ -50,14 +50,12 @@ pub mod filler_search;
 pub(crate) mod optimum;
 pub mod report;
 pub mod result;
-pub(crate) mod runs;
 
 use crate::analysis::decision::DecisionError;
-use crate::analysis::design::candidates::{LeftOut, Maker, constrained};
+use crate::analysis::design::candidates::{Chosen, LeftOut, Maker, Runner, constrained, work};
 use crate::analysis::design::filler_search::with_searched;
 use crate::analysis::design::optimum::least_of;
 use crate::analysis::design::result::deciding;
-use crate::analysis::design::runs::{Chosen, Runner, work};
 use crate::analysis::jackknife::PARTS;
 use crate::analysis::page;
 use crate::use_cases::Outcome;
@@ -76,15 +74,13 @@ use sagnac_engine::sampling::Worker;
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::Block;
 use sagnac_kernel::moments::Moments;
-use sagnac_report::chart::Picture;
-use sagnac_report::chart::notes::ChartError;
-use sagnac_report::page::document::Provenance;
+use sagnac_report::chart::{ChartError, Picture};
+use sagnac_report::page::Provenance;
 use sagnac_theory::drift::budget::{Budget, Optimum};
 
-pub use crate::analysis::design::candidates::{Constraints, Cost};
+pub use crate::analysis::design::candidates::{Constraints, Cost, Measure};
 pub use crate::analysis::design::filler_search::Search;
 pub use crate::analysis::design::result::{Design, Filler, Found, Tried, Variant};
-pub use crate::analysis::design::runs::Measure;
 
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.
 const MANY: u64 = 20_000_000_000;

@@ -13,10 +13,10 @@ use sagnac_engine::filler::{FILLERS, LISTED};
 use sagnac_engine::key::sweep::Scale;
 use sagnac_engine::kinds::gap_fill::columns::FILLER;
 use sagnac_engine::kinds::plan::table as table_of;
+use sagnac_report::chart::ChartError;
 use sagnac_report::chart::figure::{
     Axis, Entry, Figure, Grouping, Law, Limit, Mark, Series, SeriesPoint, Shape,
 };
-use sagnac_report::chart::notes::ChartError;
 use sagnac_report::chart::palette::of_names;
 
 /// A time in the largest unit of which it has at least one.

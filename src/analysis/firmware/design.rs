@@ -1,6 +1,6 @@
 //! The fillers of one point of a study as integer rules, with their errors in closed form.
 
-use crate::analysis::firmware::choice::shown;
+use crate::analysis::firmware::shown;
 use crate::analysis::firmware::{Rule, Trade};
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::quantity::number::significant;

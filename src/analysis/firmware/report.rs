@@ -1,7 +1,7 @@
 //! The report of fillers for firmware: answer and tables.
 
 use crate::analysis::answer::{Line, table};
-use crate::analysis::firmware::choice::shown;
+use crate::analysis::firmware::shown;
 use crate::analysis::firmware::{Candidate, Closed, Design, Firmware, Rule, Trade};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;

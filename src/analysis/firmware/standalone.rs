@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::analysis::firmware::choice::{ChoiceError, undetermined};
 use crate::analysis::firmware::{Asked, Firmware, Trade};
+use crate::analysis::firmware::{ChoiceError, undetermined};
 use miette::Diagnostic;
 use sagnac_base::diagnostics::StudyError;
 use sagnac_engine::kinds::gap_fill::GapFill;

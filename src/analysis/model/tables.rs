@@ -11,7 +11,7 @@ use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{self, Deviation, Unit as Curves};
 use sagnac_records::fit::Term;
-use sagnac_report::page::document::Document;
+use sagnac_report::page::Document;
 use sagnac_theory::allan::{Part, continuous_variance};
 use serde::Serialize;
 

@@ -32,7 +32,7 @@ pub use crate::analysis::page::model::of_model;
 pub(crate) use crate::analysis::page::study::Results;
 
 use crate::analysis::log::{Column, events};
-use crate::view::picture::Drawn;
+use crate::view::Drawn;
 use sagnac_base::quantity::number::{probability, significant, with_unit};
 use sagnac_base::table::{self, Role, Table, grouped};
 use sagnac_engine::study::Study;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::analysis::log::{Analysis, Column, Treatment};
 use crate::analysis::page::in_unit;
-use crate::view::picture::Drawn;
+use crate::view::Drawn;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Deviation, Trend, Unit as Curves};

@@ -4,7 +4,7 @@ use crate::analysis::agreement;
 use crate::analysis::answer::of_study;
 use crate::analysis::decision::{DecisionError, judge};
 use crate::analysis::page::study_file;
-use crate::view::picture::{Drawn, incomplete, pictures, shown};
+use crate::view::{Drawn, incomplete, pictures, shown};
 use sagnac_base::quantity::number::{short, significant};
 use sagnac_base::table::text::hexadecimal;
 use sagnac_base::table::{Cell, Role, Table};

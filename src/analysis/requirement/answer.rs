@@ -4,7 +4,7 @@ use crate::analysis::data_sheet::Row;
 use crate::analysis::requirement::check::{
     Judged, Judgement, Shown, Standing, Subject, columns, to_decide, to_meet,
 };
-use crate::analysis::requirement::limit::{Limit, Limited};
+use crate::analysis::requirement::{Limit, Limited};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::Table;
 use sagnac_base::table::column::columns_of;

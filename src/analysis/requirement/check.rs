@@ -5,7 +5,7 @@ use crate::analysis::compare::power_analysis::expected;
 use crate::analysis::data_sheet::{DataSheet, Row};
 use crate::analysis::log::report::{least_or_bound, text};
 use crate::analysis::log::{self, Column};
-use crate::analysis::requirement::limit::{Limit, Limited};
+use crate::analysis::requirement::{Limit, Limited};
 use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit};
 use sagnac_records::allan::{Overdispersion, Unit as Curves};

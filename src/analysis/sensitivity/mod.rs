@@ -64,7 +64,7 @@ use sagnac_engine::run::{Plan, RunError};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::Share;
-use sagnac_report::page::document::Provenance;
+use sagnac_report::page::Provenance;
 
 pub use crate::analysis::sensitivity::report::Input;
 pub use crate::analysis::sensitivity::sobol::Index;

@@ -5,7 +5,7 @@ use crate::analysis::model::state_space::si;
 use crate::analysis::model::tables::{ColumnModel, Models};
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, number, plain_number, three};
 use sagnac_records::allan::Unit;
-use sagnac_report::page::document::json;
+use sagnac_report::page::json;
 use serde::Serialize;
 
 pub(super) static C_HEADER: Writer = Writer {

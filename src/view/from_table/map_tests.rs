@@ -197,10 +197,10 @@ fn the_pictures_are_the_golden_ones_byte_for_byte() {
     for (name, spec, golden) in goldens {
         let svg = self::map(&table(), &spec).unwrap().0.canvas().svg();
         if svg != golden {
-            let new = format!("{}/src/view/map_from_table/{name}.new.svg", env!("CARGO_MANIFEST_DIR"));
+            let new = format!("{}/src/view/from_table/{name}.new.svg", env!("CARGO_MANIFEST_DIR"));
             std::fs::write(&new, svg).unwrap();
             panic!(
-                "the picture is not src/view/map_from_table/{name}.svg; review {new} and rename it, or mend the drawing"
+                "the picture is not src/view/from_table/{name}.svg; review {new} and rename it, or mend the drawing"
             );
         }
     }
