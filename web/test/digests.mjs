@@ -24,6 +24,7 @@ const STUDIES = [
 /** Logs of each format, with the options of the page and those of the program. */
 const LOGS = [
   ["studies/data/gyro_at_rest.csv", { rate: "1 Hz" }, ["--rate", "1Hz"]],
+  ["tests/data/formats/imu.mcap", { column: "gx" }, ["--column", "gx"]],
   ...["imu.csv", "imu.npy", "imu.npz", "imu_packed.mat", "imu_v73.mat"].map((name) => [`tests/data/formats/${name}`, ...options(name)]),
 ];
 

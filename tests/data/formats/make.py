@@ -1,6 +1,6 @@
 """Writes the same 36 samples of an IMU in each format, by the tools that users have.
 
-    python -m venv env && env/bin/pip install numpy scipy h5py lz4 mcap-ros2-support rosbags
+    python -m venv env && env/bin/pip install numpy scipy h5py lz4 mcap-ros2-support rosbags zstandard
     env/bin/python tests/data/formats/make.py
 """
 
@@ -13,6 +13,7 @@ import h5py
 import lz4.frame
 import numpy as np
 import scipy.io
+import zstandard
 from mcap_ros2.writer import Writer as Mcap
 from rosbags.rosbag1 import Writer as Bag
 from rosbags.typesys import Stores, get_typestore
@@ -213,6 +214,14 @@ def write_db3():
     bag.close()
 
 
+def write_zstd():
+    """A table in two frames with checksums, between them one that is to be skipped."""
+    text = "time [ms],gz [dps]\n" + "".join(f"{i},{i % 7}\n" for i in range(50))
+    frame = zstandard.ZstdCompressor(write_checksum=True).compress
+    parts = [frame(text.encode()[:100]), struct.pack("<II", 0x184D2A50, 5), b"hello", frame(text.encode()[100:])]
+    (FOLDER / "table.csv.zst").write_bytes(b"".join(parts))
+
+
 write_text()
 write_arrays()
 write_hdf5()
@@ -224,3 +233,4 @@ write_ulog()
 write_dataflash()
 write_db3()
 (FOLDER / "imu.csv.gz").write_bytes(gzip.compress((FOLDER / "imu.csv").read_bytes(), mtime=0))
+write_zstd()

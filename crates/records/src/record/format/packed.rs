@@ -1,9 +1,15 @@
-//! Files and messages that are compressed as a whole.
+//! Compressed data: whole files, messages, and the chunks of recordings.
 
 use std::borrow::Cow;
 use std::io::{self, Read};
+#[cfg(feature = "ros")]
+use std::io::{BufRead, BufReader};
 
 use flate2::read::MultiGzDecoder;
+#[cfg(feature = "ros")]
+use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
+#[cfg(feature = "ros")]
+use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
 use crate::record::format::check_unpacked;
 use crate::record::malformed;
@@ -15,7 +21,7 @@ const MAX_FILE: u64 = 1 << 30;
 const BLOCK: u64 = 1 << 20;
 
 /// Opens a reader of what is compressed.
-type Unpacker = for<'a> fn(Box<dyn Read + 'a>) -> io::Result<Box<dyn Read + 'a>>;
+type Unpacker = for<'a> fn(Box<dyn Read + 'a>) -> Box<dyn Read + 'a>;
 
 /// A compression.
 pub(crate) struct Packing {
@@ -26,15 +32,15 @@ pub(crate) struct Packing {
 }
 
 const PACKINGS: &[Packing] = &[
-    Packing { name: "gzip", begins: b"\x1f\x8b", open: |packed| Ok(Box::new(MultiGzDecoder::new(packed))) },
+    Packing { name: "gzip", begins: b"\x1f\x8b", open: |packed| Box::new(MultiGzDecoder::new(packed)) },
     #[cfg(feature = "ros")]
     Packing {
         name: "bzip2",
         begins: b"BZh",
-        open: |packed| Ok(Box::new(bzip2::read::MultiBzDecoder::new(packed))),
+        open: |packed| Box::new(bzip2::read::MultiBzDecoder::new(packed)),
     },
     #[cfg(feature = "ros")]
-    Packing { name: "zstd", begins: ZSTD, open: |packed| Ok(Box::new(zstd::Decoder::new(packed)?)) },
+    Packing { name: "zstd", begins: ZSTD, open: |packed| Box::new(Zstd::new(packed)) },
 ];
 
 impl Packing {
@@ -54,7 +60,7 @@ impl Packing {
     /// # Errors
     /// The file is damaged, or holds far more than recordings do.
     pub(crate) fn unpack(&self, packed: Box<dyn Read + '_>, stored: Option<u64>) -> io::Result<Vec<u8>> {
-        let (mut reader, mut bytes) = ((self.open)(packed)?, Vec::new());
+        let (mut reader, mut bytes) = ((self.open)(packed), Vec::new());
         while Read::take(&mut reader, BLOCK).read_to_end(&mut bytes)? > 0 {
             let length = bytes.len() as u64;
             check_unpacked(length, stored)?;
@@ -81,8 +87,85 @@ pub(crate) fn message(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
         return malformed("its messages are compressed by zstd, which this build does not read");
     };
     let mut message = Vec::new();
-    (packing.open)(Box::new(bytes))?.take(BLOCK).read_to_end(&mut message)?;
+    (packing.open)(Box::new(bytes)).take(BLOCK).read_to_end(&mut message)?;
     Ok(message.into())
+}
+
+/// The contents of a chunk with `size` bytes, of at most `most`, whose compression has this name in its recording.
+///
+/// # Errors
+/// The chunk is damaged or has another size, or its compression is not read.
+#[cfg(feature = "ros")]
+pub(crate) fn unpacked_chunk<'p>(compression: &str, packed: &'p [u8], size: u64, most: u64) -> io::Result<Cow<'p, [u8]>> {
+    let mut reader: Box<dyn Read> = match compression {
+        "" | "none" => Box::new(packed),
+        "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(packed)),
+        "bz2" => Box::new(bzip2::read::BzDecoder::new(packed)),
+        "zstd" => Box::new(Zstd::new(packed)),
+        other => return malformed(&format!("its chunks are compressed by `{other}`")),
+    };
+    if size > most {
+        return malformed("a chunk is too long");
+    }
+    let mut bytes = Vec::new();
+    reader.by_ref().take(size).read_to_end(&mut bytes)?;
+    // Checksums stand behind the bytes, and are compared where the data end.
+    match bytes.len() as u64 == size && reader.read(&mut [0])? == 0 {
+        true => Ok(bytes.into()),
+        false => malformed("a chunk has another length than its header says"),
+    }
+}
+
+/// A reader of all frames of zstd, one after another, that compares their checksums.
+#[cfg(feature = "ros")]
+struct Zstd<R> {
+    packed: BufReader<R>,
+    frame: FrameDecoder,
+}
+
+#[cfg(feature = "ros")]
+impl<R: Read> Zstd<R> {
+    fn new(packed: R) -> Zstd<R> {
+        Zstd { packed: BufReader::new(packed), frame: FrameDecoder::new() }
+    }
+
+    /// Goes on to the next frame that holds data, if there is one.
+    fn next_frame(&mut self) -> io::Result<bool> {
+        while !self.packed.fill_buf()?.is_empty() {
+            match self.frame.reset(&mut self.packed) {
+                Ok(()) => return Ok(true),
+                Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. })) => {
+                    io::copy(&mut self.packed.by_ref().take(length.into()), &mut io::sink())?;
+                }
+                Err(error) => return Err(io::Error::other(error)),
+            }
+        }
+        Ok(false)
+    }
+}
+
+#[cfg(feature = "ros")]
+impl<R: Read> Read for Zstd<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let read = self.frame.read(bytes)?;
+            if read > 0 || bytes.is_empty() {
+                return Ok(read);
+            }
+            if !self.frame.is_finished() {
+                let one = BlockDecodingStrategy::UptoBlocks(1);
+                self.frame.decode_blocks(&mut self.packed, one).map_err(io::Error::other)?;
+                continue;
+            }
+            let stated = self.frame.get_checksum_from_data();
+            if stated.is_some() && stated != self.frame.get_calculated_checksum() {
+                return malformed("a checksum does not match");
+            }
+            if !self.next_frame()? {
+                return Ok(0);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -115,8 +198,15 @@ mod tests {
             let mut packed = bzip2::write::BzEncoder::new(vec![], bzip2::Compression::fast());
             packed.write_all(text.as_bytes()).unwrap();
             assert_eq!(channel(&packed.finish().unwrap(), "gz").samples, expected);
-            let packed = zstd::encode_all(text.as_bytes(), 0).unwrap();
-            assert_eq!(channel(&packed, "gz").samples, expected);
+            // Two frames of `zstd` with checksums, and one between them that is to be skipped.
+            let packed = include_bytes!("../../../../../tests/data/formats/table.csv.zst");
+            assert_eq!(channel(packed, "gz").samples, expected);
+            for at in [packed.len() - 1, packed.len() / 3] {
+                let mut damaged = packed.to_vec();
+                damaged[at] ^= 1;
+                let said = refusal(&damaged, "gz");
+                assert!(said.contains("cannot be unpacked from zstd"), "{said}");
+            }
         }
     }
 

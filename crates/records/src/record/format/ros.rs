@@ -1,18 +1,21 @@
 //! MCAP files and the bags of ROS 1.
 //!
-//! MCAP files are read by the library of the format. It verifies the checksums that the file has.
+//! MCAP files are read by the library of the format. The checksums that the file has are compared.
 //!
 //! The parser of the bags of ROS 1, version 2.0, is our own: the library of the format maps the file into memory and follows its
 //! index, while this one reads from start to end and compares what it meets with the counts at the start. The format is that of
 //! wiki.ros.org/Bags/Format/2.0.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::{self, Read};
 
+use flate2::Crc;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::record::format::messages::{Messages, Reader};
+use crate::record::format::packed::unpacked_chunk;
 use crate::record::format::{Columns, Source, check_unpacked};
 use crate::record::{RecordError, malformed, told};
 
@@ -46,12 +49,12 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
     let file = source.file.clone();
     let options = LinearReaderOptions::default()
         .with_record_length_limit(MAX_MCAP_RECORD)
-        .with_prevalidate_chunk_crcs(true)
+        .with_emit_chunks(true)
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
     let mut topics = McapTopics::default();
-    let mut unpacked = Unpacked { stored: source.length, bytes: 0 };
+    topics.unpacked.stored = source.length;
     let mut bytes = source.from(0);
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
@@ -60,10 +63,7 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
                 reader.notify_read(read.map_err(|error| RecordError::unreadable(&file, &error))?);
             }
             LinearReadEvent::Record { data, opcode } => {
-                let counted = unpacked.add(data.len());
-                counted
-                    .and_then(|()| topics.take(opcode, data))
-                    .map_err(|error| bad(&file, &error.to_string()))?;
+                topics.take(opcode, data).map_err(|error| bad(&file, &told(&error)))?;
             }
         }
     }
@@ -85,6 +85,7 @@ struct McapTopics {
     /// Topic and reader of each channel with samples.
     channels: HashMap<u16, Option<(String, Reader)>>,
     messages: Messages,
+    unpacked: Unpacked,
 }
 
 /// The part of a record that has not been read. The parser of the library takes memory for any length that a text claims.
@@ -107,12 +108,56 @@ impl<'d> Rest<'d> {
         self.0 = rest;
         std::str::from_utf8(text).ok()
     }
+
+    /// A record of a chunk with its type.
+    fn record(&mut self) -> Option<(u8, &'d [u8])> {
+        let [opcode] = self.bytes()?;
+        Some((opcode, self.counted()?))
+    }
+
+    /// The bytes behind their number.
+    fn counted(&mut self) -> Option<&'d [u8]> {
+        let length = self.bytes().map(u64::from_le_bytes)?;
+        let (bytes, rest) = self.0.split_at_checked(usize::try_from(length).ok()?)?;
+        self.0 = rest;
+        Some(bytes)
+    }
+}
+
+/// The records of a chunk, with their checksum if it has one.
+fn records_of_chunk<'d>(chunk: &mut Rest<'d>) -> io::Result<Cow<'d, [u8]>> {
+    let mut parts = || {
+        // The times of the first and of the last message are of no use.
+        chunk.bytes::<16>()?;
+        let size = chunk.bytes().map(u64::from_le_bytes)?;
+        let sum = chunk.bytes().map(u32::from_le_bytes)?;
+        Some((size, sum, chunk.text()?, chunk.counted()?))
+    };
+    let Some((size, sum, compression, packed)) = parts() else { return malformed("a chunk is damaged") };
+    let records = unpacked_chunk(compression, packed, size, MAX_MCAP_RECORD as u64)?;
+    let mut found = Crc::new();
+    found.update(&records);
+    match sum == 0 || sum == found.sum() {
+        true => Ok(records),
+        false => malformed("the checksum of a chunk does not match"),
+    }
 }
 
 impl McapTopics {
     fn take(&mut self, opcode: u8, data: &[u8]) -> io::Result<()> {
         let mut rest = Rest(data);
+        self.unpacked.add(data.len())?;
         match opcode {
+            op::CHUNK => {
+                let records = records_of_chunk(&mut rest)?;
+                let mut rest = Rest(&records);
+                while !rest.0.is_empty() {
+                    match rest.record() {
+                        Some((op::CHUNK, _)) | None => return malformed("a chunk is damaged"),
+                        Some((opcode, data)) => self.take(opcode, data)?,
+                    }
+                }
+            }
             op::SCHEMA => {
                 let (Some(id), Some(name)) = (rest.id(), rest.text()) else {
                     return malformed("a schema is damaged");
@@ -265,9 +310,10 @@ impl Bag {
             match header.bytes::<1>("op")? {
                 [CHUNK] => {
                     self.chunks += 1;
-                    let data = unpacked(&header, data)?;
+                    let (size, compression) = (header.word("size")?, header.text("compression"));
+                    let data = unpacked_chunk(&compression, &data, size.into(), MAX_BAG_RECORD.into())?;
                     self.unpacked.add(data.len())?;
-                    let mut rest = data.as_slice();
+                    let mut rest = &data[..];
                     while let Some((header, data)) = record(&mut rest)? {
                         self.take(&header, &data)?;
                     }
@@ -304,33 +350,3 @@ impl Bag {
     }
 }
 
-/// The contents of a chunk.
-fn unpacked(header: &Fields, data: Vec<u8>) -> io::Result<Vec<u8>> {
-    let (size, compression) = (header.word("size")?, header.text("compression"));
-    let bytes = match compression.as_str() {
-        "none" => data,
-        "lz4" => {
-            let mut decoder = lz4::Decoder::new(data.as_slice())?;
-            let bytes = part(&mut decoder, size, MAX_BAG_RECORD)?;
-            // A checksum behind the bytes is compared where the frame ends.
-            if decoder.read(&mut [0])? > 0 || decoder.finish().1.is_err() {
-                return malformed("a chunk has another length than its header says");
-            }
-            bytes
-        }
-        "bz2" => {
-            let mut decoder = bzip2::read::BzDecoder::new(data.as_slice());
-            let bytes = part(&mut decoder, size, MAX_BAG_RECORD)?;
-            // Checksums are compared at the end of each block.
-            if decoder.read(&mut [0])? > 0 {
-                return malformed("a chunk has another length than its header says");
-            }
-            bytes
-        }
-        other => return malformed(&format!("its chunks are compressed by `{other}`")),
-    };
-    match bytes.len() == size as usize {
-        true => Ok(bytes),
-        false => malformed("a chunk has another length than its header says"),
-    }
-}
