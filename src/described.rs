@@ -68,6 +68,7 @@ pub fn files() -> Vec<File> {
             command("navigation.csv", "sagnac allan", abouts(&navigators::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::report::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::report::coefficient_columns())),
+            command("ranking.csv", "sagnac allan", abouts(&log::report::ranking_columns())),
             command("temperature.csv", "sagnac allan", abouts(&temperature::report::coefficient_columns())),
             command("compensation.csv", "sagnac allan", abouts(&temperature::report::compensation_columns())),
             command("dynamic.csv", "sagnac allan", abouts(&dynamic::report::point_columns())),

@@ -7,7 +7,7 @@ use sagnac_engine::kinds::allan::run::{Simulator, realizations};
 use sagnac_kernel::width::Width;
 use sagnac_records::allan::{Angles, Unit};
 use sagnac_records::events::{Event, Events};
-use sagnac_records::fit::{Coefficient, Described, Fit, Fitting, Quantity, Verdict};
+use sagnac_records::fit::{Coefficient, Described, Fit, Fitting, Quantity, RankedModel, Verdict, ranking};
 use sagnac_records::spectrum::{Density, Floor, Welch, lines};
 use sagnac_theory::allan::{Part, Process, Term};
 
@@ -59,6 +59,8 @@ pub struct DataSheet {
     pub events: Vec<Event>,
     /// Whether the curve falls as that of quantization noise, but the spectrum contradicts it.
     pub is_hump: bool,
+    /// All models of the curve, the best first; empty where the fit does not describe it.
+    pub ranking: Vec<RankedModel>,
 }
 
 /// The source of the 95 % intervals of coefficients: simulated records of the fit, or the closed form. It is both what
@@ -107,7 +109,7 @@ impl DataSheet {
     /// The noise of a curve that is of no record, by the fit to its points.
     pub(crate) fn of_points(fit: Fit, unit: Unit) -> DataSheet {
         let intervals = Intervals { records: 0, without: None };
-        DataSheet { rows: rows(&fit, unit), fit, intervals, events: vec![], is_hump: false }
+        DataSheet { rows: rows(&fit, unit), fit, intervals, events: vec![], is_hump: false, ranking: vec![] }
     }
 
     /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
@@ -151,9 +153,11 @@ impl DataSheet {
             let without = Some(format!("the fit cannot be simulated: {why}"));
             (described.fit.clone(), Intervals { records: 0, without })
         });
+        let ranking = if described.is_described { ranking(described) } else { Ok(vec![]) };
+        let ranking = ranking.map_err(|error| error.to_string())?;
         let fit = noise.judged(fit, asked.is_forced);
         let Noise { shown: events, is_hump, .. } = noise;
-        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events })
+        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events, ranking })
     }
 }
 

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use sagnac::fit::curve::{Covariance, Curve};
 use sagnac::fit::selection::Terms;
-use sagnac::fit::{Errors, Fit, Verdict, fit};
+use sagnac::fit::{Errors, Fit, Verdict, describe, fit, ranking};
 use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 use sagnac::theory::cholesky;
@@ -210,6 +210,58 @@ fn what_is_not_there_is_bounded_and_not_invented() {
     let coverage = share(&fits, |fit| covers(fit, Term::BiasInstability, error));
     println!("B of one standard error: covered {coverage}");
     assert!((0.93..0.99).contains(&coverage), "{coverage}");
+}
+
+#[test]
+fn the_criterion_of_a_ranking_is_the_chi_squared_of_other_records() {
+    let truth = process(&[Part::angle_random_walk(0.03), Part::rate_random_walk(2e-4)]);
+    let all = mean_curve(&truth, 1 << 20, 0);
+    // Up to averaging factors whose estimates never fall below 0.
+    let (ms, variances) = (all.ms()[..13].to_vec(), all.variances()[..13].to_vec());
+    let mean = Curve::new(1.0, all.samples(), all.difference(), ms, variances).unwrap();
+    let covariance = Covariance::of_process(&truth, &mean).unwrap();
+
+    // The average curve has the fit of its process, and so its covariance.
+    let described = describe(&mean, &Terms::Auto(Term::MODEL.to_vec()).into()).unwrap();
+    let models = ranking(&described).unwrap();
+    assert_eq!(models[0].terms, [Term::AngleRandomWalk, Term::RateRandomWalk]);
+    assert!(models.windows(2).all(|pair| pair[0].criterion <= pair[1].criterion));
+    let plain = models.iter().filter(|model| model.terms.iter().all(|term| Term::MODEL.contains(term)));
+    let mut count = 0;
+    for model in plain {
+        let alone = fit(&mean, &covariance, &Terms::Given(model.terms.clone()), Errors::Known).unwrap();
+        let (chi_squared, parameters) = (alone.chi_squared, model.terms.len() as f64);
+        assert!(
+            (model.chi_squared - chi_squared).abs() < 1e-6 * (1.0 + chi_squared),
+            "{model:?} {chi_squared}"
+        );
+        assert_eq!(model.degrees_of_freedom, alone.degrees_of_freedom);
+        assert!((model.criterion - model.chi_squared - 2.0 * parameters).abs() < 1e-12);
+        count += 1;
+    }
+    assert!(count >= 5, "{count} models");
+
+    // What a fit to one record costs at another one, on average, also where the model is wrong.
+    let pairs = draws(&mean, &covariance, 8000, 60);
+    assert_eq!(pairs.len(), 8000);
+    for terms in [vec![Term::AngleRandomWalk], vec![Term::AngleRandomWalk, Term::RateRandomWalk]] {
+        let terms = &Terms::Given(terms);
+        let excess = |pair: &[Curve]| {
+            let fit = fit(&pair[0], &covariance, terms, Errors::Known).unwrap();
+            let of = |part: &Part| mean.of_term(part.term, part.square(), part.shape);
+            let parts: Vec<Vec<f64>> = fit.process.parts.iter().map(of).collect();
+            let residual = |i: usize| pair[1].variances()[i] - parts.iter().map(|part| part[i]).sum::<f64>();
+            let residuals: Vec<f64> = (0..mean.ms().len()).map(residual).collect();
+            covariance.whiten(&residuals).iter().map(|x| x * x).sum::<f64>() - fit.chi_squared
+        };
+        let excesses: Vec<f64> = pairs.chunks(2).map(excess).collect();
+        let average = excesses.iter().sum::<f64>() / excesses.len() as f64;
+        let squares: f64 = excesses.iter().map(|x| (x - average) * (x - average)).sum();
+        let error = squares.sqrt() / excesses.len() as f64;
+        let expected = 2.0 * terms.all().len() as f64;
+        println!("{terms:?}: {average} ± {error}, expected {expected}");
+        assert!((average - expected).abs() < 3.3 * error, "{average} ± {error}, not {expected}");
+    }
 }
 
 #[test]

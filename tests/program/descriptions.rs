@@ -112,6 +112,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("allan", "curve.csv", "allan"),
         ("allan", "coefficients.csv", "allan"),
         ("allan", "events.csv", "allan"),
+        ("allan", "ranking.csv", "allan"),
         ("allan", "records.csv", "allan"),
         ("allan", "limits.csv", "judged"),
         ("allan", "navigation.csv", "judged"),

@@ -54,8 +54,9 @@ pub use crate::fit::search::nnls;
 use crate::fit::search::{Basis, Fitted, Solution, System};
 use crate::fit::selection::Choice;
 pub use crate::fit::selection::{
-    Described, Fitting, LIKELY, PENALTY, PENALTY_OF_LIMIT, PENALTY_OF_SHAPE, RIVAL, Terms, describe,
-    describe_without_shortest, is_fast, room_for_correlation, white_beside_correlation, with_correlation,
+    Described, Fitting, LIKELY, PENALTY, PENALTY_OF_LIMIT, PENALTY_OF_SHAPE, RIVAL, RankedModel, Terms,
+    describe, describe_without_shortest, is_fast, ranking, room_for_correlation, white_beside_correlation,
+    with_correlation,
 };
 use crate::fit::uncertainty::{Evidence, Judge};
 pub use sagnac_theory::allan::Term;

@@ -7,7 +7,7 @@ use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
 use sagnac_records::events::Event;
-use sagnac_records::fit::Fit;
+use sagnac_records::fit::{Fit, RankedModel, Term};
 use sagnac_records::record::log::measure::Data;
 use sagnac_records::record::log::outliers::OUTLYING;
 
@@ -153,6 +153,66 @@ pub fn coefficients(analysis: &Analysis) -> Table {
 pub(crate) fn coefficients_of(columns: &[Column]) -> Table {
     let lines: Vec<Line> = columns.iter().flat_map(lines).collect();
     Table { columns: columns_of(&coefficient_columns(), &lines) }
+}
+
+/// Most models of a column in `ranking.csv`.
+const MAX_RANKED: usize = 10;
+
+/// A row of `ranking.csv`.
+pub(crate) struct RankedRow<'a> {
+    column: &'a str,
+    model: &'a RankedModel,
+    difference: f64,
+    is_fit: bool,
+}
+
+/// The columns of `ranking.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn ranking_columns<'a>() -> Vec<ColumnOf<RankedRow<'a>>> {
+    type Of<'a> = ColumnOf<RankedRow<'a>>;
+    vec![
+        key(|row| text(row.column)),
+        Of::new("model", Unit::NONE, "model", |row| text(&symbols(&row.model.terms)))
+            .is(Role::Key, "The terms of the model, as `--terms` names them, the best model first."),
+        Of::new("chi_squared", Unit::NONE, "χ²", |row| Cell::Number(row.model.chi_squared))
+            .is(Role::Estimate, "Weighted sum of the squared residuals of its fit, with the covariance of the fit of the record."),
+        Of::new("degrees_of_freedom", Unit::NONE, "degrees of freedom", |row| Cell::Integer(row.model.degrees_of_freedom as i64))
+            .is(Role::Count, "Number of points of the fit less that of parameters."),
+        Of::new("criterion", Unit::NONE, "criterion", |row| Cell::Number(row.model.criterion))
+            .is(Role::Error, "Wavelet information criterion: χ² plus twice the number of parameters."),
+        Of::new("difference", Unit::NONE, "difference", |row| Cell::Number(row.difference))
+            .is(Role::Estimate, "The criterion less that of the best model; models within 2 are hardly worse."),
+        Of::new("fit", Unit::NONE, "fit", |row| text(if row.is_fit { "of the record" } else { "" }))
+            .is(Role::Note, "`of the record` for the model of coefficients.csv, whose terms have to show more clearly."),
+    ]
+}
+
+/// The symbols of some terms.
+fn symbols(terms: &[Term]) -> String {
+    terms.iter().map(|term| term.symbol()).collect::<Vec<_>>().join(" + ")
+}
+
+/// The best models of a column, and that of its fit.
+fn ranked(column: &Column) -> Vec<RankedRow<'_>> {
+    let Some(noise) = column.noise().filter(|noise| !noise.ranking.is_empty()) else { return vec![] };
+    let least = noise.ranking[0].criterion;
+    let fitted: Vec<Term> = noise.fit.process.parts.iter().map(|part| part.term).collect();
+    let is_fit =
+        |terms: &[Term]| terms.len() == fitted.len() && terms.iter().all(|term| fitted.contains(term));
+    let rows = noise.ranking.iter().map(|model| RankedRow {
+        column: &column.name,
+        model,
+        difference: model.criterion - least,
+        is_fit: is_fit(&model.terms),
+    });
+    let rows = rows.enumerate();
+    rows.filter(|(place, row)| *place < MAX_RANKED || row.is_fit).map(|(_, row)| row).collect()
+}
+
+/// The best models of each column: `ranking.csv`.
+pub(crate) fn ranking(columns: &[Column]) -> Table {
+    let rows: Vec<RankedRow> = columns.iter().flat_map(ranked).collect();
+    Table { columns: columns_of(&ranking_columns(), &rows) }
 }
 
 /// The minimum of the first curve that has one, as a separate row: the in-run bias stability of data sheets, not B.

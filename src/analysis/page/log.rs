@@ -39,6 +39,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
         ("coefficients.csv", report::coefficients(noise)),
         ("curve.csv", report::table(noise)),
         ("events.csv", events::table(noise)),
+        ("ranking.csv", report::ranking(&noise.columns)),
         ("records.csv", of_spectra::records(analysis)),
     ];
     let columns = log.channels.iter().zip(&noise.columns);
@@ -141,7 +142,15 @@ fn coefficients(noise: &Noise) -> Section {
     ];
     let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
     let facts = (!facts.is_empty()).then_some(Block::Facts(facts));
-    Section::new("coefficients", "Coefficients", grids.chain(facts))
+    let ranking = report::ranking(&noise.columns);
+    let omitted: &[&str] = if noise.columns.len() == 1 { &["column"] } else { &[] };
+    let ranked =
+        Block::More("Models ranked by the wavelet information criterion".to_owned(), grid(&ranking, omitted));
+    Section::new(
+        "coefficients",
+        "Coefficients",
+        grids.chain(facts).chain((ranking.rows() > 0).then_some(ranked)),
+    )
 }
 
 /// The range of a fit, and how well it describes the curve.

@@ -22,7 +22,7 @@
 
 use crate::allan::{Angles, Deviation, Trend};
 use crate::fit::curve::{curve_at, factors};
-use crate::fit::search::{Solution, System};
+use crate::fit::search::{Basis, Solution, System};
 use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Verdict};
 use sagnac_theory::allan::{Part, Term};
 
@@ -173,6 +173,54 @@ fn scored(system: &System, candidates: &[Term]) -> Vec<(f64, Solution)> {
         }
     }
     scored
+}
+
+/// A subset of terms and how well it describes a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RankedModel {
+    /// The terms, none of which is 0.
+    pub terms: Vec<Term>,
+    /// Weighted sum of the squared residuals.
+    pub chi_squared: f64,
+    /// Degrees of freedom of χ²: the number of points less that of parameters.
+    pub degrees_of_freedom: usize,
+    /// The wavelet information criterion.
+    pub criterion: f64,
+}
+
+/// All subsets of the terms of a described fit and of Markov noise, the one with the least criterion first.
+///
+/// The criterion is that of the generalized method of wavelet moments (S. Guerrier, J. Skaloud, Y. Stebler, M.-P. Victoria-Feser,
+/// *JASA* 108, 2013, 1021): an unbiased estimate of the χ² that the subset would have for an independent record of the same noise. It is
+/// χ² + 2 tr(Ω·cov(ν̂, ν(θ̂))) for the weights Ω, the estimates ν̂ and their fitted values ν(θ̂). The Allan variance is twice the variance of
+/// Haar wavelets, and the weights are the inverse of the covariance of the fit, the same for all subsets, so that this is χ² plus twice the
+/// number of parameters.
+///
+/// # Errors
+/// The covariance of the fit is not definite.
+pub fn ranking(described: &Described) -> Result<Vec<RankedModel>, FitError> {
+    let Described { fitter, fit, .. } = described;
+    let (curve, mut candidates) = (fitter.curve(), fitter.terms.candidates()?);
+    if !candidates.contains(&Term::Markov) {
+        candidates.push(Term::Markov);
+    }
+    let covariance = fitter.covariance(fit)?;
+    let basis = Basis::new(curve, &candidates);
+    let mut models: Vec<RankedModel> = Vec::new();
+    let system = System::new(curve, &covariance, &basis);
+    for subset in subsets(&candidates) {
+        let solution = system.best(&subset);
+        let terms = used(&solution);
+        let parameters: usize = terms.iter().map(|term| term.parameters()).sum();
+        let Some(degrees_of_freedom) = curve.ms().len().checked_sub(parameters) else { continue };
+        if terms.is_empty() || models.iter().any(|model| model.terms == terms) {
+            continue;
+        }
+        let (chi_squared, criterion) = (solution.chi_squared, solution.chi_squared + 2.0 * parameters as f64);
+        models.push(RankedModel { terms, chi_squared, degrees_of_freedom, criterion });
+    }
+    models.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    Ok(models)
 }
 
 fn used(solution: &Solution) -> Vec<Term> {

@@ -96,7 +96,12 @@ pub(crate) fn message(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
 /// # Errors
 /// The chunk is damaged or has another size, or its compression is not read.
 #[cfg(feature = "ros")]
-pub(crate) fn unpacked_chunk<'p>(compression: &str, packed: &'p [u8], size: u64, most: u64) -> io::Result<Cow<'p, [u8]>> {
+pub(crate) fn unpacked_chunk<'p>(
+    compression: &str,
+    packed: &'p [u8],
+    size: u64,
+    most: u64,
+) -> io::Result<Cow<'p, [u8]>> {
     let mut reader: Box<dyn Read> = match compression {
         "" | "none" => Box::new(packed),
         "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(packed)),
@@ -134,7 +139,10 @@ impl<R: Read> Zstd<R> {
         while !self.packed.fill_buf()?.is_empty() {
             match self.frame.reset(&mut self.packed) {
                 Ok(()) => return Ok(true),
-                Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. })) => {
+                Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
+                    length,
+                    ..
+                })) => {
                     io::copy(&mut self.packed.by_ref().take(length.into()), &mut io::sink())?;
                 }
                 Err(error) => return Err(io::Error::other(error)),
