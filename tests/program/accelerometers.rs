@@ -82,7 +82,7 @@ fn an_imu_of_ros_needs_no_columns() {
     let columns: Vec<&str> =
         AXES.into_iter().filter(|axis| text.iter().any(|row| row["column"] == *axis)).collect();
     assert_eq!(columns, AXES);
-    for file in ["imu.mcap", "imu.bag"] {
+    for file in ["imu.mcap", "imu.bag", "imu_bag/"] {
         assert_eq!(read(&format!("{}/{file}", folder.display())), text, "{file}");
     }
 }

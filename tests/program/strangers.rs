@@ -77,7 +77,7 @@ fn pipes_devices_and_folders_in_the_place_of_inputs_are_refused_at_once() {
         refused(&desk, &format!("design {input}"), &[3], &[WHAT]);
     }
     refused(&desk, "run .", &[3], &["is a folder"]);
-    refused(&desk, &format!("allan . {READ}"), &[3], &["it is a folder"]);
+    refused(&desk, &format!("allan . {READ}"), &[3], &["is a folder without a recording"]);
     pipe(&desk, "record.csv");
     refused(&desk, "run study.toml", &[3], &[WHAT]);
     let noise = "title = \"Noise\"\nkind = \"allan\"\ntrials = 8\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[allan]\ntau = \"octave\"\n\

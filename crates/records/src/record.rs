@@ -147,7 +147,7 @@ pub struct RecordError(StudyError);
 
 impl RecordError {
     /// An error with the complete finding as `message`, a `label` for the text at `place`, and advice as `help`.
-    pub(crate) fn new(
+    pub fn new(
         message: impl Into<String>,
         label: impl Into<String>,
         help: impl Into<String>,

@@ -7,6 +7,7 @@
 //!                              └─ noise_file ─▶ noise.toml, for studies
 //! ```
 
+mod bag_folder;
 pub mod events;
 pub mod figures;
 pub mod noise_file;
@@ -235,12 +236,12 @@ impl Treatment {
         is_compensated: false,
     };
 
-    /// Reads the log at `path`, cuts and checks it.
+    /// Reads the log at `path`, which may be the folder of a recording of ROS 2, cuts and checks it.
     ///
     /// # Errors
     /// The log is refused.
     pub fn read(&self, path: &Path, request: &Request) -> Result<Log, RecordError> {
-        self.checked(Log::read(path, request)?)
+        self.checked(if path.is_dir() { bag_folder::read(path, request)? } else { Log::read(path, request)? })
     }
 
     /// Cuts and checks a log that was read.

@@ -92,14 +92,14 @@ def write_hdf5():
         file.write(header)
 
 
-def write_mcap(name, **options):
+def write_mcap(name, rows=slice(COUNT), **options):
     def vector(values):
         return dict(zip("xyz", map(float, values)))
 
     with open(FOLDER / name, "wb") as file:
         writer = Mcap(file, **options)
         schema = writer.register_msgdef("sensor_msgs/msg/Imu", IMU)
-        for stamp, rate, force in zip(stamps.tolist(), rates, forces):
+        for stamp, rate, force in zip(stamps[rows].tolist(), rates[rows], forces[rows]):
             time = {"sec": stamp // 10**9, "nanosec": stamp % 10**9}
             message = {
                 "header": {"stamp": time, "frame_id": "imu"},
@@ -112,6 +112,18 @@ def write_mcap(name, **options):
             }
             writer.write_message("/imu/data", schema, message, log_time=stamp, publish_time=stamp)
         writer.finish()
+
+
+def write_bag_folder():
+    """A recording of ROS 2 in two files, of which the metadata have the order."""
+    folder = FOLDER / "imu_bag"
+    folder.mkdir(exist_ok=True)
+    write_mcap("imu_bag/imu_bag_0.mcap", slice(20))
+    write_mcap("imu_bag/imu_bag_1.mcap", slice(20, COUNT))
+    (folder / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  relative_file_paths:\n"
+        f"    - imu_bag_0.mcap\n    - imu_bag_1.mcap\n  message_count: {COUNT}\n"
+    )
 
 
 def write_bag(name, packing=None):
@@ -226,6 +238,7 @@ write_text()
 write_arrays()
 write_hdf5()
 write_mcap("imu.mcap")
+write_bag_folder()
 write_bag("imu.bag")
 write_bag("imu_packed.bag", Bag.CompressionFormat.LZ4)
 write_bag("imu_bz2.bag", Bag.CompressionFormat.BZ2)

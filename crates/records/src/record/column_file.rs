@@ -1,6 +1,8 @@
 //! An open file of recorded data: its columns by name or number, their units, and the numbers of the requested columns.
 
-use crate::record::format::{Columns, FORMATS, Origin, Source};
+use std::path::PathBuf;
+
+use crate::record::format::{Columns, FORMATS, Origin, Source, open_parts};
 use crate::record::layout::Decimal;
 use crate::record::log::measure::Data;
 use crate::record::log::read::Hints;
@@ -104,6 +106,14 @@ impl<'a> ColumnFile<'a> {
             (None, None) => ColumnFile::text(source, hints.decimal)?,
         };
         Ok(ColumnFile { file, columns })
+    }
+
+    /// Opens the files of one recording in their order; messages call it `name`.
+    ///
+    /// # Errors
+    /// A file cannot be read, or is of another format than those of ROS 2.
+    pub(crate) fn open_parts(name: &str, files: &[PathBuf]) -> Result<ColumnFile<'static>, RecordError> {
+        Ok(ColumnFile { file: name.to_owned(), columns: open_parts(name, files)? })
     }
 
     /// Opens a file of text.

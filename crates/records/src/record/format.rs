@@ -15,15 +15,16 @@ mod sqlite;
 mod ulog;
 
 use std::io::{self, Chain, Cursor, Read, Seek};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::record::column_file::Rules;
 #[cfg(feature = "hdf5")]
 use crate::record::format::hdf5::open as open_hdf5;
+use crate::record::format::messages::Messages;
 use crate::record::format::packed::Packing;
 #[cfg(feature = "ros")]
-use crate::record::format::ros::{open_bag, open_mcap};
+use crate::record::format::ros::{open_bag, open_mcap, take_mcap};
 use crate::record::log::measure::Data;
 use crate::record::loggers::Rivals;
 use crate::record::names::Name;
@@ -50,12 +51,35 @@ pub(crate) static FORMATS: &[Format] = &[
     // Before MATLAB's earlier format, because its files may begin like those.
     Format { begins: is_hdf5, open: open_hdf5 },
     mat::FORMAT,
-    Format { begins: |head| head.starts_with(b"\x89MCAP0\r\n"), open: open_mcap },
+    Format { begins: |head| head.starts_with(MCAP), open: open_mcap },
     Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: open_bag },
     ulog::FORMAT,
     dataflash::FORMAT,
     db3::FORMAT,
 ];
+
+/// The first bytes of an MCAP file.
+const MCAP: &[u8] = b"\x89MCAP0\r\n";
+
+/// Opens the files of one recording of ROS 2 in their order; messages call it `name`.
+///
+/// # Errors
+/// A file is no recording of ROS 2, or cannot be read.
+pub(crate) fn open_parts(name: &str, files: &[PathBuf]) -> Result<Box<dyn Columns>, RecordError> {
+    let mut messages = Messages::default();
+    for path in files {
+        let source = Source::open(path.display().to_string(), Origin::Path(path))?;
+        match &source.head {
+            head if head.starts_with(MCAP) => take_mcap(source, &mut messages)?,
+            head if (db3::FORMAT.begins)(head) => db3::take(source, &mut messages)?,
+            _ => {
+                let message = format!("{} is no recording of ROS 2 (.db3, .mcap)", source.file);
+                return Err(RecordError::new(message, "", "give each log by itself", None));
+            }
+        }
+    }
+    messages.columns(name)
+}
 
 /// Whether the signature is at the start, or after a block of the user's of 512, 1024, … bytes.
 fn is_hdf5(head: &[u8]) -> bool {
@@ -72,6 +96,11 @@ fn open_hdf5(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
 #[cfg(not(feature = "ros"))]
 fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     Err(left_out(&source, "MCAP", "ros"))
+}
+
+#[cfg(not(feature = "ros"))]
+fn take_mcap(source: Source<'_>, _: &mut Messages) -> Result<(), RecordError> {
+    open_mcap(source).map(drop)
 }
 
 #[cfg(not(feature = "ros"))]

@@ -11,6 +11,13 @@ use crate::record::{RecordError, malformed, told};
 pub(crate) const FORMAT: Format = Format { begins: |head| head.starts_with(MAGIC), open };
 
 fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+    let (file, mut messages) = (source.file.clone(), Messages::default());
+    take(source, &mut messages)?;
+    messages.columns(&file)
+}
+
+/// Adds all messages of the file to those of the files before.
+pub(crate) fn take(source: Source<'_>, found: &mut Messages) -> Result<(), RecordError> {
     let file = source.file.clone();
     let refused = |why: &str| {
         let help = "if the recording was cut short, `sqlite3 BAG.db3 .recover` saves what is intact; else convert it with `ros2 bag convert`";
@@ -34,10 +41,10 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let read = Database::open(bytes, length).and_then(|mut database| {
         let tables = [database.table("topics"), database.table("messages")];
         let [Some(topics), Some(messages)] = tables else { return Ok(Err(database.names())) };
-        read(&mut database, &topics, &messages).map(Ok)
+        read(&mut database, &topics, &messages, found).map(Ok)
     });
     match read {
-        Ok(Ok(messages)) => messages.columns(&file),
+        Ok(Ok(())) => Ok(()),
         Ok(Err(names)) => {
             let held = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
             let message =
@@ -71,7 +78,12 @@ fn text<'v>(values: &[Value<'v>], column: usize) -> &'v str {
 }
 
 /// Reads all messages with samples.
-fn read(database: &mut Database, topics: &Table, messages: &Table) -> io::Result<Messages> {
+fn read(
+    database: &mut Database,
+    topics: &Table,
+    messages: &Table,
+    found: &mut Messages,
+) -> io::Result<()> {
     let mut definitions = HashMap::new();
     if let Some(table) = database.table("message_definitions") {
         let [kind, encoding, text_of] =
@@ -83,7 +95,6 @@ fn read(database: &mut Database, topics: &Table, messages: &Table) -> io::Result
             Ok(())
         })?;
     }
-    let mut found = Messages::default();
     let mut readers: HashMap<i64, Option<(String, Reader)>> = HashMap::new();
     let [id, name, kind, format] = places(topics, ["id", "name", "type", "serialization_format"])?;
     database.rows(topics, &mut |row, values| {
@@ -105,8 +116,7 @@ fn read(database: &mut Database, topics: &Table, messages: &Table) -> io::Result
             Some(None) => Ok(()),
             Some(Some((name, reader))) => found.take(name, message, reader),
         }
-    })?;
-    Ok(found)
+    })
 }
 
 #[cfg(test)]

@@ -46,6 +46,13 @@ const MAX_MCAP_RECORD: usize = 1 << 27;
 
 /// Reads all messages of the file.
 pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+    let (file, mut messages) = (source.file.clone(), Messages::default());
+    take_mcap(source, &mut messages)?;
+    messages.columns(&file)
+}
+
+/// Adds all messages of the file to those of the files before.
+pub(crate) fn take_mcap(source: Source<'_>, messages: &mut Messages) -> Result<(), RecordError> {
     let file = source.file.clone();
     let options = LinearReaderOptions::default()
         .with_record_length_limit(MAX_MCAP_RECORD)
@@ -53,8 +60,8 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
-    let mut topics = McapTopics::default();
-    topics.unpacked.stored = source.length;
+    let unpacked = Unpacked { stored: source.length, bytes: 0 };
+    let mut topics = McapTopics { schemas: HashMap::new(), channels: HashMap::new(), messages, unpacked };
     let mut bytes = source.from(0);
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
@@ -74,17 +81,16 @@ pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, Rec
             format!("{file} goes on behind the end of its recording, as where another one was appended");
         return Err(RecordError::new(message, "", help, None));
     }
-    topics.messages.columns(&file)
+    Ok(())
 }
 
 /// The channels met so far, and their messages.
-#[derive(Default)]
-struct McapTopics {
+struct McapTopics<'m> {
     /// Name and definition of each type.
     schemas: HashMap<u16, (String, Option<String>)>,
     /// Topic and reader of each channel with samples.
     channels: HashMap<u16, Option<(String, Reader)>>,
-    messages: Messages,
+    messages: &'m mut Messages,
     unpacked: Unpacked,
 }
 
@@ -143,7 +149,7 @@ fn records_of_chunk<'d>(chunk: &mut Rest<'d>) -> io::Result<Cow<'d, [u8]>> {
     }
 }
 
-impl McapTopics {
+impl McapTopics<'_> {
     fn take(&mut self, opcode: u8, data: &[u8]) -> io::Result<()> {
         let mut rest = Rest(data);
         self.unpacked.add(data.len())?;

@@ -1,6 +1,6 @@
 //! Reading a file into a [`Log`].
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::record::binary::Binary;
 use crate::record::column_file::{ColumnFile, Rules};
@@ -175,19 +175,32 @@ impl Log {
         Log::read_from(name, Origin::Bytes(bytes), request)
     }
 
-    fn read_from(name: &str, origin: Origin, request: &Request) -> Result<Log, RecordError> {
-        // Columns of temperature that nobody asked for are no reason to refuse a log.
-        Log::read_with(name, origin.clone(), request, true)
-            .or_else(|_| Log::read_with(name, origin, request, false))
+    /// Reads the columns that `request` selects of a recording of ROS 2 in several files (.db3, .mcap), which follow each other in
+    /// this order and are called `name`.
+    ///
+    /// # Errors
+    /// A file is of another format, or faults as those of [`read`](Log::read) were found.
+    pub fn read_parts(name: &str, files: &[PathBuf], request: &Request) -> Result<Log, RecordError> {
+        Log::read_with(|| ColumnFile::open_parts(name, files), request)
     }
 
-    fn read_with(
-        name: &str,
-        origin: Origin,
+    fn read_from(name: &str, origin: Origin, request: &Request) -> Result<Log, RecordError> {
+        Log::read_with(|| ColumnFile::open(name.to_owned(), origin.clone(), &request.hints), request)
+    }
+
+    fn read_with<'f>(
+        open: impl Fn() -> Result<ColumnFile<'f>, RecordError>,
+        request: &Request,
+    ) -> Result<Log, RecordError> {
+        // Columns of temperature that nobody asked for are no reason to refuse a log.
+        Log::read_columns(open()?, request, true).or_else(|_| Log::read_columns(open()?, request, false))
+    }
+
+    fn read_columns(
+        mut file: ColumnFile,
         request: &Request,
         has_thermometers: bool,
     ) -> Result<Log, RecordError> {
-        let mut file = ColumnFile::open(name.to_owned(), origin, &request.hints)?;
         let (mut faults, mut notes) = (Faults::default(), file.inferred());
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
         let thermometer = request.temperature.as_ref();
