@@ -29,11 +29,8 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
         RecordError::new(format!("cannot read {shown}: {error}"), "", "give the path of a log", None)
     };
     let metadata = folder.join(METADATA);
-    let text = if metadata.is_file() {
-        read_text(&metadata, MAX_TOML).map_err(unreadable)?
-    } else {
-        String::new()
-    };
+    let text =
+        if metadata.is_file() { read_text(&metadata, MAX_TOML).map_err(unreadable)? } else { String::new() };
     let mut names = listed(&text);
     if names.is_empty() {
         let entries = std::fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -93,7 +90,7 @@ mod tests {
         assert_eq!(files(folder.path()).unwrap(), [first, last]);
         add("other.mcap");
         let said = files(folder.path()).unwrap_err().render(false, 200);
-        assert!(said.contains("give one of them: drive_9.db3, other.mcap, drive_10.db3"), "{said}");
+        assert!(said.contains("give one of them: other.mcap, drive_9.db3, drive_10.db3"), "{said}");
     }
 
     #[test]
