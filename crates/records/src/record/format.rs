@@ -189,7 +189,17 @@ pub(crate) enum Origin<'a> {
     /// The bytes of a file that was read before.
     Bytes(&'a [u8]),
     /// The bytes in a compressed file.
-    Unpacked(Arc<[u8]>),
+    Unpacked(Unpacked),
+}
+
+/// Bytes that were unpacked and are held once.
+#[derive(Debug, Clone)]
+pub(crate) struct Unpacked(Arc<Vec<u8>>);
+
+impl AsRef<[u8]> for Unpacked {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
 }
 
 impl<'a> Origin<'a> {
@@ -202,7 +212,7 @@ impl<'a> Origin<'a> {
                 Ok((Box::new(file), about.is_file().then_some(about.len())))
             }
             Origin::Bytes(bytes) => Ok((Box::new(*bytes), Some(bytes.len() as u64))),
-            Origin::Unpacked(bytes) => Ok((Box::new(Cursor::new(bytes.clone())), Some(bytes.len() as u64))),
+            Origin::Unpacked(bytes) => Ok((Box::new(Cursor::new(bytes.clone())), Some(bytes.0.len() as u64))),
         }
     }
 }
@@ -258,7 +268,7 @@ impl<'a> Source<'a> {
             let help = format!("unpack it first, by `{} -d`, or copy it again", packing.name);
             RecordError::new(message, "", help, None)
         })?;
-        Source::packed(file, Origin::Unpacked(bytes.into()))
+        Source::packed(file, Origin::Unpacked(Unpacked(Arc::new(bytes))))
     }
 
     /// Opens a file as it is stored.

@@ -7,6 +7,7 @@ use std::io::Cursor;
 
 use hdf5_reader::error::{ByteOrder, Error};
 use hdf5_reader::group::Group;
+use hdf5_reader::storage::BytesStorage;
 use hdf5_reader::{Dataset, Datatype, FileStorage, Hdf5File, OpenOptions};
 
 use crate::record::RecordError;
@@ -36,7 +37,10 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
         Origin::Path(path) => FileStorage::open(path)
             .and_then(|storage| Hdf5File::from_storage_with_options(std::sync::Arc::new(storage), options)),
         Origin::Bytes(bytes) => Hdf5File::from_vec_with_options(bytes.to_vec(), options),
-        Origin::Unpacked(bytes) => Hdf5File::from_vec_with_options(bytes.to_vec(), options),
+        Origin::Unpacked(bytes) => {
+            let storage = BytesStorage::from_owner(bytes.clone());
+            Hdf5File::from_storage_with_options(std::sync::Arc::new(storage), options)
+        }
     };
     let mut search = Search {
         is_matlab: source.head.starts_with(b"MATLAB 7.3"),
