@@ -6,6 +6,8 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 use tempfile::TempDir;
 
 use crate::formats::{BINARIES, Sample, bits};
@@ -16,18 +18,6 @@ const COUNT: u64 = 500;
 
 /// Most bytes that are altered in a file, and so most samples, if its structure stays.
 const MAX_ALTERED: usize = 4;
-
-/// Marsaglia's xorshift64.
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end as u64) as usize
-    }
-}
 
 /// Reads damaged `bytes` within the limits of time and memory.
 fn read(sample: &Sample, bytes: &[u8], folder: &Path) -> Option<Vec<Vec<u64>>> {
@@ -53,9 +43,9 @@ fn a_file_that_was_cut_off_is_refused_or_has_lost_no_sample_of_those_it_gives() 
     for (seed, sample) in (1..).zip(&BINARIES) {
         let whole = std::fs::read(sample.path()).unwrap();
         let expected = read(sample, &whole, folder.path()).unwrap();
-        let (mut draws, mut given) = (Draws(seed), 0);
+        let (mut draws, mut given) = (StdRng::seed_from_u64(seed), 0);
         for _ in 0..COUNT {
-            let end = draws.below(whole.len());
+            let end = draws.random_range(0..whole.len());
             let Some(found) = read(sample, &whole[..end], folder.path()) else { continue };
             given += 1;
             // A raw file may end after any row: it has no length of its own.
@@ -73,18 +63,18 @@ fn a_file_that_was_altered_is_refused_or_has_the_same_samples() {
     for (seed, sample) in (100..).zip(&BINARIES) {
         let whole = std::fs::read(sample.path()).unwrap();
         let expected = read(sample, &whole, folder.path()).unwrap();
-        let (mut draws, mut given, mut other) = (Draws(seed), 0, 0);
+        let (mut draws, mut given, mut other) = (StdRng::seed_from_u64(seed), 0, 0);
         for case in 0..COUNT {
             let mut bytes = whole.clone();
-            for _ in 0..1 + draws.below(MAX_ALTERED) {
+            for _ in 0..1 + draws.random_range(0..MAX_ALTERED) {
                 // Half of them where headers are.
                 let end = if case % 2 == 0 { whole.len().min(512) } else { whole.len() };
-                let at = draws.below(end);
-                bytes[at] = match draws.below(4) {
+                let at = draws.random_range(0..end);
+                bytes[at] = match draws.random_range(0..4) {
                     0 => 0,
                     1 => 0xff,
-                    2 => bytes[at] ^ (1 << draws.below(8)),
-                    _ => draws.below(256) as u8,
+                    2 => bytes[at] ^ (1 << draws.random_range(0..8)),
+                    _ => draws.random_range(0..256) as u8,
                 };
             }
             let Some(found) = read(sample, &bytes, folder.path()) else { continue };
@@ -112,20 +102,22 @@ fn a_file_with_removed_or_repeated_bytes_or_other_lengths_is_refused_or_has_the_
     for (seed, sample) in (200..).zip(&BINARIES) {
         let whole = std::fs::read(sample.path()).unwrap();
         let expected = read(sample, &whole, folder.path()).unwrap();
-        let (mut draws, mut counts) = (Draws(seed), [[0; 3]; 3]);
+        let (mut draws, mut counts) = (StdRng::seed_from_u64(seed), [[0; 3]; 3]);
         for case in 0..COUNT as usize {
             let mut bytes = whole.clone();
-            let at = draws.below(whole.len());
-            let end = whole.len().min(at + 1 + draws.below(64));
+            let at = draws.random_range(0..whole.len());
+            let end = whole.len().min(at + 1 + draws.random_range(0..64));
             match case % 3 {
                 0 => drop(bytes.drain(at..end)),
                 1 => drop(bytes.splice(at..at, whole[at..end].to_vec())),
                 _ => {
                     // Half of the words in the first bytes, where lengths are.
-                    let at = draws.below(if case % 2 == 0 { 512.min(whole.len()) } else { whole.len() } - 4);
+                    let at = draws.random_range(
+                        0..(if case % 2 == 0 { 512.min(whole.len()) } else { whole.len() }) - 4,
+                    );
                     let word = u32::from_le_bytes(whole[at..at + 4].try_into().unwrap());
                     let others = [word.wrapping_add(1), word.wrapping_sub(1), word.wrapping_mul(2), word / 2];
-                    bytes[at..at + 4].copy_from_slice(&others[draws.below(4)].to_le_bytes());
+                    bytes[at..at + 4].copy_from_slice(&others[draws.random_range(0..4)].to_le_bytes());
                 }
             }
             let found = read(sample, &bytes, folder.path());

@@ -9,6 +9,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 use sagnac_records::allan::Trend;
 use sagnac_records::allan::deviation::Deviation;
 use sagnac_records::allan::sums::sums;
@@ -118,30 +120,20 @@ fn bits(log: &Log) -> Vec<u64> {
     log.channels.iter().flat_map(|channel| &channel.samples).map(|sample| sample.to_bits()).collect()
 }
 
-/// Marsaglia's xorshift64.
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end as u64) as usize
-    }
-}
-
 /// Alters bits, sets a range to one byte, cuts the file off, or repeats or removes a range.
-fn damaged(sound: &[u8], case: usize, draws: &mut Draws) -> Vec<u8> {
+fn damaged(sound: &[u8], case: usize, draws: &mut StdRng) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     // Half of them where headers are.
-    let start = draws.below(if case.is_multiple_of(2) { 1024.min(sound.len()) } else { sound.len() });
-    let end = sound.len().min(start + 1 + draws.below(64));
+    let start =
+        draws.random_range(0..if case.is_multiple_of(2) { 1024.min(sound.len()) } else { sound.len() });
+    let end = sound.len().min(start + 1 + draws.random_range(0..64));
     match case % 5 {
-        0 => (0..1 + draws.below(8)).for_each(|_| bytes[draws.below(sound.len())] ^= 1 << draws.below(8)),
-        1 => bytes[start] ^= 1 << draws.below(8),
-        2 => bytes[start..end].fill([0, 0xff][draws.below(2)]),
-        3 => bytes.truncate(draws.below(sound.len())),
-        _ if draws.below(2) == 0 => drop(bytes.drain(start..end)),
+        0 => (0..1 + draws.random_range(0..8))
+            .for_each(|_| bytes[draws.random_range(0..sound.len())] ^= 1 << draws.random_range(0..8)),
+        1 => bytes[start] ^= 1 << draws.random_range(0..8),
+        2 => bytes[start..end].fill([0, 0xff][draws.random_range(0..2)]),
+        3 => bytes.truncate(draws.random_range(0..sound.len())),
+        _ if draws.random_range(0..2) == 0 => drop(bytes.drain(start..end)),
         _ => drop(bytes.splice(start..start, sound[start..end].to_vec())),
     }
     bytes
@@ -153,7 +145,7 @@ fn damaged_recordings_are_refused_or_read_within_limits() {
     for (seed, Recording { file, column, is_checked, .. }) in (1..).zip(RECORDINGS) {
         let sound = bytes_of(file);
         let expected = bits(&read(&sound, &[column], Timing::Step(0.005)).unwrap());
-        let (mut draws, mut given) = (Draws(seed), 0);
+        let (mut draws, mut given) = (StdRng::seed_from_u64(seed), 0);
         for case in 0..DAMAGES {
             let bytes = damaged(&sound, case, &mut draws);
             let (started, before) = (Instant::now(), HELD.load(Relaxed));
