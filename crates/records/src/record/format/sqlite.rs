@@ -27,9 +27,9 @@ const MAX_ROW: u64 = 1 << 28;
 /// A value of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Value<'r> {
-    Null,
+    /// Nothing, or a number that is no integer, which no table of a recording has.
+    Other,
     Integer(i64),
-    Real(f64),
     Text(&'r str),
     Blob(&'r [u8]),
 }
@@ -248,10 +248,9 @@ fn values(row: &[u8]) -> Option<Vec<Value<'_>>> {
             bytes.iter().fold(sign, |number: i64, byte| number << 8 | i64::from(*byte))
         };
         values.push(match kind {
-            0 => Value::Null,
+            0 | 7 => Value::Other,
             8 => Value::Integer(0),
             9 => Value::Integer(1),
-            7 => Value::Real(f64::from_be_bytes(bytes.try_into().ok()?)),
             1..=6 => Value::Integer(integer()),
             _ if kind % 2 == 0 => Value::Blob(bytes),
             _ => Value::Text(std::str::from_utf8(bytes).unwrap_or_default()),
@@ -301,7 +300,7 @@ mod tests {
         let table = database.table(table).unwrap();
         database.rows(&table, &mut |row, values| {
             rows += 1;
-            assert_eq!((row, values[0]), (rows as i64, Value::Null));
+            assert_eq!((row, values[0]), (rows as i64, Value::Other));
             size += values
                 .iter()
                 .map(|value| if let Value::Blob(blob) = value { blob.len() } else { 0 })
