@@ -61,6 +61,25 @@ const RECORDINGS: &[Recording] = &[
         is_checked: false,
     },
     Recording {
+        file: "imu_fifo.ulg",
+        column: "gx",
+        samples: 36,
+        // Before the first batch there is none that gives the spacing of its samples, which is the nominal one.
+        length_s: 0.2099,
+        mean: 0.010_036_805_530_215_057,
+        deviation: 0.001_740_413_878_013_982_6,
+        is_checked: false,
+    },
+    Recording {
+        file: "imu_batches.bin",
+        column: "gx",
+        samples: 128,
+        length_s: 0.635,
+        mean: 0.010_060_416_666_666_665,
+        deviation: 0.001_697_302_704_274_861_9,
+        is_checked: false,
+    },
+    Recording {
         file: "imu.db3",
         column: "/twist.gx",
         samples: 36,

@@ -404,7 +404,15 @@ mod record_tests {
             let channels = units.map(|unit| {
                 let (name, unit) = (unit.to_owned(), Unit::parse(unit, data).unwrap());
                 let samples = vec![1.0, 2.0, 4.0];
-                Channel { name, unit, unit_in_header: None, is_unit_guessed: false, samples, place: None }
+                Channel {
+                    name,
+                    unit,
+                    unit_in_header: None,
+                    is_unit_guessed: false,
+                    samples,
+                    place: None,
+                    field: None,
+                }
             });
             let (file, notes) = (String::new(), vec![]);
             let channels = channels.into();

@@ -148,12 +148,13 @@ def write_bag(name, packing=None):
             bag.write(connection, stamp, store.serialize_ros1(message, "sensor_msgs/msg/Imu"))
 
 
+def ulog_message(kind, body):
+    return struct.pack("<HB", len(body), ord(kind)) + body
+
+
 def write_ulog():
     """Two gyros of PX4 with samples in single precision, and a dropout where rows are missing."""
-
-    def message(kind, body):
-        return struct.pack("<HB", len(body), ord(kind)) + body
-
+    message = ulog_message
     fields = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;"
     parts = [b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 9_000_000), message("B", bytes(40))]
     parts.append(message("I", bytes([14]) + b"char[3] sysPX4"))
@@ -170,12 +171,51 @@ def write_ulog():
     (FOLDER / "imu.ulg").write_bytes(b"".join(parts))
 
 
+def write_fifo():
+    """A gyro of PX4 in batches of three samples, whose time is that of the last, by a clock 1 % slower than the nominal one."""
+    fields = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float dt;float scale;uint8_t samples;"
+    fields += "".join(f"int16_t[32] {axis};" for axis in "xyz")
+    parts = [b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 9_000_000), ulog_message("B", bytes(40))]
+    parts.append(ulog_message("F", f"sensor_gyro_fifo:{fields}".encode()))
+    parts.append(ulog_message("A", struct.pack("<BH", 0, 3) + b"sensor_gyro_fifo"))
+    counts = np.round(rates / 1e-6).astype("<i2")
+    for at in range(0, COUNT, 3):
+        time = 10_000_000 + STEP_NS * int(row[at + 2]) // 1000
+        lists = np.zeros((3, 32), "<i2")
+        lists[:, :3] = counts[at : at + 3].T
+        data = struct.pack("<HQQIffB", 3, time + 500, time, 7, 4950.0, 1e-6, 3) + lists.tobytes()
+        parts.append(ulog_message("D", data))
+    (FOLDER / "imu_fifo.ulg").write_bytes(b"".join(parts))
+
+
+def dataflash_message(kind, body):
+    return bytes([0xA3, 0x95, kind]) + body
+
+
+def write_batches():
+    """Two batches of a gyro of ArduPilot of 64 samples each at 200 Hz, the second behind the first."""
+    kinds = [
+        (128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns"),
+        (30, 31, b"ISBH", b"QHBBHHQf", b"TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate"),
+        (31, 207, b"ISBD", b"QHHaaa", b"TimeUS,N,seqno,x,y,z"),
+    ]
+    parts = [dataflash_message(128, struct.pack("<BB4s16s64s", *kind)) for kind in kinds]
+    values = np.random.default_rng(3).normal(0.01, 0.003, (128, 3))
+    counts = np.round(values * 60_000).astype("<i2")
+    for number in range(2):
+        begun = 10_000_000 + 320_000 * number
+        head = struct.pack("<QHBBHHQf", begun + 400_000, number, 1, 0, 60_000, 64, begun, 200.0)
+        parts.append(dataflash_message(30, head))
+        for part in range(2):
+            lists = counts[64 * number + 32 * part :][:32].T
+            body = struct.pack("<QHH", begun + 400_000, number, part) + np.ascontiguousarray(lists).tobytes()
+            parts.append(dataflash_message(31, body))
+    (FOLDER / "imu_batches.bin").write_bytes(b"".join(parts))
+
+
 def write_dataflash():
     """Two gyros of ArduPilot as GYR, and the first with its accelerometer as IMU, at half the rate."""
-
-    def message(kind, body):
-        return bytes([0xA3, 0x95, kind]) + body
-
+    message = dataflash_message
     kinds = [
         (128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns"),
         (20, 32, b"GYR", b"QBQfff", b"TimeUS,I,SampleUS,GyrX,GyrY,GyrZ"),
@@ -243,7 +283,9 @@ write_bag("imu.bag")
 write_bag("imu_packed.bag", Bag.CompressionFormat.LZ4)
 write_bag("imu_bz2.bag", Bag.CompressionFormat.BZ2)
 write_ulog()
+write_fifo()
 write_dataflash()
+write_batches()
 write_db3()
 (FOLDER / "imu.csv.gz").write_bytes(gzip.compress((FOLDER / "imu.csv").read_bytes(), mtime=0))
 write_zstd()

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::record::format::{Columns, FORMATS, Origin, Source, open_parts};
 use crate::record::layout::Decimal;
+use crate::record::log::Field;
 use crate::record::log::measure::Data;
 use crate::record::log::read::Hints;
 use crate::record::loggers::Rivals;
@@ -143,6 +144,11 @@ impl<'a> ColumnFile<'a> {
     /// The groups of columns, each of one sensor, with the numbers of their rows, if it has such.
     pub(crate) fn groups(&self) -> Vec<(&str, usize)> {
         self.columns.groups()
+    }
+
+    /// The field of messages from which a column is, if it is from one.
+    pub(crate) fn field(&self, column: usize) -> Option<Field> {
+        self.columns.field(column)
     }
 
     /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.

@@ -25,6 +25,7 @@ use crate::record::format::messages::Messages;
 use crate::record::format::packed::Packing;
 #[cfg(feature = "ros")]
 use crate::record::format::ros::{open_bag, open_mcap, take_mcap};
+use crate::record::log::Field;
 use crate::record::log::measure::Data;
 use crate::record::loggers::Rivals;
 use crate::record::names::Name;
@@ -131,6 +132,11 @@ pub(crate) trait Columns {
         vec![]
     }
 
+    /// The field of messages from which a column is, if it is from one.
+    fn field(&self, _column: usize) -> Option<Field> {
+        None
+    }
+
     /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
     fn sample(&self, _column: usize) -> Option<f64> {
         Some(f64::NAN)
@@ -180,6 +186,13 @@ pub(crate) trait Columns {
     fn place_of_row(&self, _row: usize, _column: usize) -> Option<Place> {
         None
     }
+}
+
+/// The bytes that are there of the next `length` ones.
+pub(crate) fn part(reader: &mut dyn Read, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    Read::take(reader, length).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// The source of the bytes of a file.

@@ -67,6 +67,19 @@ pub struct Channel {
     pub samples: Vec<f64>,
     /// Place of the column in the file, where it has one.
     pub place: Option<Place>,
+    /// The field of messages from which it was read, where the file holds such.
+    pub field: Option<Field>,
+}
+
+/// A field of the messages of a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    /// Topic of the messages, or their sensor.
+    pub topic: String,
+    /// Type of the messages.
+    pub kind: String,
+    /// Name of the field in a message.
+    pub name: String,
 }
 
 impl Channel {
@@ -86,6 +99,7 @@ impl Log {
             is_unit_guessed: false,
             samples,
             place: None,
+            field: None,
         };
         let (file, channels) = (name.to_owned(), vec![channel]);
         Log {

@@ -4,14 +4,18 @@
 //! the labels of their fields, whatever the message is called: GYR, ACC, IMU, and IMU2 of earlier versions. The format is that of
 //! ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html. What is no message, as where the memory card lost a block, is
 //! passed over, and said.
+//!
+//! Batches of samples at a high rate (ISBH, ISBD) are a record only if each begins where the one before ends, which ArduPilot reaches
+//! at low rates at most: else no time longer than a batch has samples, and deviations need those.
 
 use std::collections::HashMap;
 use std::io::{self, Read};
 
 use crate::record::binary::Number;
-use crate::record::format::groups::{Group, Groups, Sample, held};
+use crate::record::format::groups::{Group, Groups, Layout, Place, Rule, Sample, Topic, Vector, held};
 use crate::record::format::{Columns, Format, Source};
 use crate::record::{RecordError, malformed, told};
+use sagnac_base::quantity::number::significant;
 
 /// The two bytes at the start of each message, after which its type follows, and the type and length of FMT.
 const START: [u8; 2] = [0xa3, 0x95];
@@ -24,14 +28,27 @@ const AHEAD: usize = 1 << 10;
 
 pub(crate) const FORMAT: Format = Format { begins: |head| head.starts_with(&[0xa3, 0x95, FMT, FMT]), open };
 
-/// Labels of the angular rate and of the acceleration.
-const VECTORS: [[&str; 3]; 2] = [["GyrX", "GyrY", "GyrZ"], ["AccX", "AccY", "AccZ"]];
+const GYRO: Vector = Vector { fields: ["GyrX", "GyrY", "GyrZ"], rule: Rule::Plain };
+const ACCELEROMETER: Vector = Vector { fields: ["AccX", "AccY", "AccZ"], rule: Rule::Plain };
+
+/// Messages by their labels, of which the first is used whose labels one has.
+static TOPICS: [Topic; 3] = [
+    Topic { name: "IMU", vectors: [Some(GYRO), Some(ACCELEROMETER)] },
+    Topic { name: "GYR", vectors: [Some(GYRO), None] },
+    Topic { name: "ACC", vectors: [None, Some(ACCELEROMETER)] },
+];
 
 /// Labels of the time of a sample with their units; the first that there is.
 const TIMES: [(&str, &str); 3] = [("SampleUS", "us"), ("TimeUS", "us"), ("TimeMS", "ms")];
 
-/// Messages with batches of samples at a high rate.
-const BATCH: &str = "ISBD";
+/// Messages with the start of a batch of samples, and with its samples, which are lists of this type and length.
+const BATCH: [&str; 2] = ["ISBH", "ISBD"];
+const LIST: u8 = b'a';
+const IN_LIST: usize = 32;
+
+/// Largest difference of the time from batch to batch from the length of one, as a part of it, at which they are a record: the clock of a
+/// sensor is less exact.
+const MAX_OFF: f64 = 0.01;
 
 fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
@@ -41,13 +58,13 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
         let help = "convert it with `mavlogdump.py --format csv --types IMU LOG.BIN` of pymavlink";
         RecordError::new(format!("{file} cannot be taken as DataFlash: {}", told(&error)), "", help, None)
     })?;
-    let (notes, others) = (log.notes(), log.others);
+    let unread = log.join_batches();
+    let (notes, others) = (log.notes(&unread), log.others);
     Groups::open(&file, log.groups, notes, || {
         let message = format!("{file} has no samples of a gyro or accelerometer");
-        let help = format!(
-            "it holds {}: let ArduPilot log IMU or IMU_RAW, by LOG_BITMASK; batches (ISBD) are not read",
-            held(others)
-        );
+        let unread: String = unread.iter().map(|why| format!("; {why}")).collect();
+        let help =
+            format!("it holds {}: let ArduPilot log IMU or IMU_RAW, by LOG_BITMASK{unread}", held(others));
         RecordError::new(message, "", help, None)
     })
 }
@@ -57,6 +74,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
 struct Log {
     kinds: HashMap<u8, Kind>,
     groups: Vec<Group>,
+    batches: Vec<Batch>,
     /// Names of messages without samples.
     others: Vec<String>,
     /// Bytes passed over that are no messages, and all bytes.
@@ -70,33 +88,40 @@ struct Log {
 struct Kind {
     name: String,
     length: usize,
-    /// The places of its numbers, if it has samples.
-    layout: Option<Layout>,
+    content: Content,
 }
 
-/// The places of the wanted numbers of a message.
-struct Layout {
-    time: Place,
-    unit: &'static str,
-    vectors: [Option<[Place; 3]>; 2],
-    /// The number of the sensor.
-    instance: Option<Place>,
+/// What a message has for a record.
+enum Content {
+    None,
+    /// A sample, and the number of its sensor.
+    Sample(Layout, Option<Place>),
+    /// The start of a batch: its number, type, number of the sensor, divisor of samples, number of samples, time in µs and rate in Hz.
+    BatchStart([Place; 7]),
+    /// Samples of a batch: its number, their place in it, and the first of each axis.
+    BatchPart([Place; 5]),
 }
 
-/// The place of a number in a message, its type, and what it is divided by.
-#[derive(Clone, Copy)]
-struct Place {
-    start: usize,
-    number: &'static Number,
+/// A batch of samples.
+struct Batch {
+    number: f64,
+    /// Its sensor, and the place of the first axis in a sample.
+    sensor: String,
+    at: usize,
+    start_us: f64,
+    step_us: f64,
     divisor: f64,
+    /// Number of samples when it is complete.
+    count: usize,
+    samples: Vec<[f64; 3]>,
 }
 
-/// Bytes of a field of this type, and its number with what it is divided by, if it has one.
+/// Bytes of a field of this type, and its number with what it is divided by, if it has one. Of a list it is the first number.
 fn field(kind: u8) -> Option<(usize, Option<(&'static Number, f64)>)> {
     let (name, divisor) = match kind {
         b'b' => ("i1", 1.0),
         b'B' | b'M' => ("u1", 1.0),
-        b'h' => ("i2", 1.0),
+        b'h' | LIST => ("i2", 1.0),
         b'H' => ("u2", 1.0),
         b'i' => ("i4", 1.0),
         b'I' => ("u4", 1.0),
@@ -112,11 +137,12 @@ fn field(kind: u8) -> Option<(usize, Option<(&'static Number, f64)>)> {
         b'L' => ("i4", 1e7),
         b'n' => return Some((4, None)),
         b'N' => return Some((16, None)),
-        b'Z' | b'a' => return Some((64, None)),
+        b'Z' => return Some((64, None)),
         _ => return None,
     };
     let number = Number::called(name)?;
-    Some((number.size, Some((number, divisor))))
+    let size = if kind == LIST { IN_LIST * number.size } else { number.size };
+    Some((size, Some((number, divisor))))
 }
 
 impl Kind {
@@ -129,57 +155,46 @@ impl Kind {
         };
         let (kind, length) = (*body.first()?, usize::from(*body.get(1)?));
         let (name, types, labels) = (text(2, 4)?, text(6, 16)?, text(22, 64)?);
-        (length >= 3).then(|| (kind, Kind { layout: Layout::new(&types, &labels, length), name, length }))
+        let content = Content::new(&name, &types, &labels, length).unwrap_or(Content::None);
+        (length >= 3).then_some((kind, Kind { name, length, content }))
     }
 }
 
-impl Layout {
-    /// The places of the numbers of a message with samples; none of other messages.
-    fn new(types: &str, labels: &str, length: usize) -> Option<Layout> {
+impl Content {
+    /// What messages of this description have; nothing where it is none for a record.
+    fn new(name: &str, types: &str, labels: &str, length: usize) -> Option<Content> {
         let (mut places, mut start) = (HashMap::new(), 0);
         for (kind, label) in types.bytes().zip(labels.split(',')) {
             let (size, number) = field(kind)?;
             if let Some((number, divisor)) = number {
-                places.insert(label.trim(), Place { start, number, divisor });
+                places.insert(label.trim(), (kind, Place { start, number, divisor }));
             }
             start += size;
         }
-        let place = |label: &str| places.get(label).copied();
-        let vector = |[x, y, z]: [&str; 3]| Some([place(x)?, place(y)?, place(z)?]);
-        let vectors = VECTORS.map(vector);
-        let (time, unit) = TIMES.iter().find_map(|(label, unit)| Some((place(label)?, *unit)))?;
-        let is_whole = start + 3 == length && vectors.iter().any(Option::is_some);
+        if start + 3 != length {
+            return None;
+        }
+        let place =
+            |label: &str| places.get(label).filter(|(kind, _)| *kind != LIST).map(|(_, place)| *place);
+        let list = |label: &str| places.get(label).filter(|(kind, _)| *kind == LIST).map(|(_, place)| *place);
+        if name == BATCH[0] {
+            let [number, kind, instance, divisor] = ["N", "type", "instance", "mul"].map(place);
+            let [count, time, rate] = ["smp_cnt", "SampleUS", "smp_rate"].map(place);
+            return Some(Content::BatchStart([number?, kind?, instance?, divisor?, count?, time?, rate?]));
+        }
+        if name == BATCH[1] {
+            let ([number, at], [x, y, z]) = (["N", "seqno"].map(place), ["x", "y", "z"].map(list));
+            return Some(Content::BatchPart([number?, at?, x?, y?, z?]));
+        }
         // The numbers of sensors are bytes.
         let instance = place("I").filter(|place| place.number.size == 1);
-        is_whole.then_some(Layout { time, unit, vectors, instance })
-    }
-
-    /// The sample of a message and the number of its sensor. `numbers` is used in between.
-    fn sample(&self, body: &[u8], numbers: &mut Vec<f64>) -> Option<(Sample, Option<f64>)> {
-        let mut number = |place: &Place| {
-            numbers.clear();
-            let bytes = body.get(place.start..)?.get(..place.number.size)?;
-            (place.number.decode)(bytes, numbers);
-            Some(numbers.first()? / place.divisor)
-        };
-        let mut sample = [f64::NAN; 7];
-        sample[0] = number(&self.time)?;
-        for (vector, at) in self.vectors.iter().zip([1, 4]) {
-            for (place, slot) in vector.iter().flatten().zip(&mut sample[at..]) {
-                *slot = number(place)?;
-            }
-        }
-        let instance = match &self.instance {
-            Some(place) => Some(number(place)?),
-            None => None,
-        };
-        Some((sample, instance))
+        Some(Content::Sample(Layout::new(TOPICS.iter(), &TIMES, place)?, instance))
     }
 }
 
 impl Log {
     fn read(&mut self, reader: &mut dyn Read) -> io::Result<()> {
-        let own = Kind { name: "FMT".to_owned(), length: FMT_LENGTH.into(), layout: None };
+        let own = Kind { name: "FMT".to_owned(), length: FMT_LENGTH.into(), content: Content::None };
         self.kinds.insert(FMT, own);
         let (mut window, mut at, mut is_end) = (Vec::new(), 0, false);
         loop {
@@ -242,37 +257,138 @@ impl Log {
             }
             return Ok(());
         }
-        let Some(Kind { name, layout, .. }) = self.kinds.get(&kind) else { return Ok(()) };
-        let Some(layout) = layout else {
-            if !self.others.contains(name) {
-                self.others.push(name.clone());
+        let Some(Kind { name, content, .. }) = self.kinds.get(&kind) else { return Ok(()) };
+        let numbers = &mut self.numbers;
+        let taken = match content {
+            Content::None => {
+                if !self.others.contains(name) {
+                    self.others.push(name.clone());
+                }
+                return Ok(());
             }
-            return Ok(());
+            Content::BatchStart(places) => Batch::new(body, places, numbers).map(|batch| {
+                self.batches.push(batch);
+            }),
+            Content::BatchPart(places) => Batch::take(&mut self.batches, body, places, numbers),
+            Content::Sample(layout, instance) => layout.sample(body, numbers).map(|sample| {
+                let instance = instance.and_then(|place| place.read(body, numbers));
+                let sensor = instance.map_or_else(|| name.clone(), |instance| format!("{name}_{instance}"));
+                match self.groups.iter_mut().find(|group| group.name == sensor) {
+                    Some(group) => group.rows.push(sample),
+                    None => self.groups.push(Group {
+                        name: sensor,
+                        kind: name.clone(),
+                        unit: layout.unit,
+                        vectors: layout.topic.vectors(),
+                        rows: vec![sample],
+                    }),
+                }
+            }),
         };
-        let Some((sample, instance)) = layout.sample(body, &mut self.numbers) else {
-            return malformed("a message is too short");
-        };
-        let name = instance.map_or_else(|| name.clone(), |instance| format!("{name}_{instance}"));
-        match self.groups.iter_mut().find(|group| group.name == name) {
-            Some(group) => group.rows.push(sample),
-            None => {
-                let has = layout.vectors.each_ref().map(Option::is_some);
-                self.groups.push(Group { name, unit: layout.unit, has, rows: vec![sample] });
-            }
-        }
-        Ok(())
+        taken.map_or_else(|| malformed("a message is too short"), Ok)
     }
 
-    fn notes(&self) -> Vec<String> {
+    /// Makes groups of the sensors whose batches follow each other without a gap, and returns why others are not read.
+    fn join_batches(&mut self) -> Vec<String> {
+        let mut sensors: Vec<(String, Vec<Batch>)> = Vec::new();
+        for batch in self.batches.drain(..) {
+            match sensors.iter_mut().find(|(sensor, _)| *sensor == batch.sensor) {
+                Some((_, batches)) => batches.push(batch),
+                None => sensors.push((batch.sensor.clone(), vec![batch])),
+            }
+        }
+        let mut unread = Vec::new();
+        for (name, mut batches) in sensors {
+            // The end of the log may be within the last one.
+            let whole = batches.len() - 1;
+            let is_whole = batches[..whole].iter().all(|batch| batch.samples.len() == batch.count);
+            let apart = batches.windows(2).find_map(|pair| {
+                let (length, passed) = (pair[0].length_us(), pair[1].start_us - pair[0].start_us);
+                let follows = (passed / length - 1.0).abs() < MAX_OFF;
+                (!follows).then_some([length, passed])
+            });
+            if let Some(times) = apart {
+                let [length, passed] = times.map(|time_us| significant(1e-6 * time_us, 3));
+                unread.push(format!("{name} is not read: its batches of {length} s begin {passed} s apart"));
+                continue;
+            }
+            if !is_whole {
+                unread.push(format!("{name} is not read: parts of its batches are missing"));
+                continue;
+            }
+            // The times of batches are those of the logger, which the sensor's clock may be ahead of or behind.
+            for at in 1..batches.len() {
+                let passed = batches[at].start_us - batches[at - 1].start_us;
+                batches[at - 1].step_us = passed / batches[at - 1].count as f64;
+            }
+            let vectors = [1, 4].map(|at| (batches[0].at == at).then_some(["x", "y", "z"]));
+            let rows = batches.iter().flat_map(Batch::rows).collect();
+            self.groups.push(Group { name, kind: BATCH[1].to_owned(), unit: "us", vectors, rows });
+        }
+        unread
+    }
+
+    fn notes(&self, unread: &[String]) -> Vec<String> {
         let passed = format!("{} bytes between messages are damaged and passed over", self.passed);
-        let batches = format!("batches of samples at a high rate ({BATCH}) are in the log and are not read");
         let cut = "the log was cut off, as by a loss of power, and is read as far as it goes".to_owned();
-        let notes = [
-            (self.passed > 0, passed),
-            (self.others.iter().any(|name| name == BATCH), batches),
-            (self.is_cut, cut),
-        ];
-        notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note).collect()
+        let notes = [(self.passed > 0, passed), (self.is_cut, cut)];
+        let notes = notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note);
+        notes.chain(unread.iter().cloned()).collect()
+    }
+}
+
+impl Batch {
+    /// The batch that a message starts, if that is long enough. `numbers` is used in between.
+    fn new(body: &[u8], places: &[Place; 7], numbers: &mut Vec<f64>) -> Option<Batch> {
+        let mut read = [0.0; 7];
+        for (slot, place) in read.iter_mut().zip(places) {
+            *slot = place.read(body, numbers)?;
+        }
+        let [number, kind, instance, divisor, count, start_us, rate_hz] = read;
+        let (sensor, at) = if kind == 0.0 { ("accel", 4) } else { ("gyro", 1) };
+        let (sensor, count) = (format!("{}_{sensor}_{instance}", BATCH[1]), count as usize);
+        let step_us = 1e6 / rate_hz;
+        Some(Batch { number, sensor, at, start_us, step_us, divisor, count, samples: vec![] })
+    }
+
+    /// Adds the samples of a message to their batch, unless samples before them are missing.
+    fn take(
+        batches: &mut [Batch],
+        body: &[u8],
+        [number, at, axes @ ..]: &[Place; 5],
+        numbers: &mut Vec<f64>,
+    ) -> Option<()> {
+        let (number, at) = (number.read(body, numbers)?, at.read(body, numbers)? as usize);
+        let Some(batch) = batches.iter_mut().rev().find(|batch| batch.number == number) else {
+            return Some(());
+        };
+        if at * IN_LIST != batch.samples.len() {
+            return Some(());
+        }
+        for i in 0..IN_LIST.min(batch.count.saturating_sub(batch.samples.len())) {
+            let mut sample = [0.0; 3];
+            for (slot, axis) in sample.iter_mut().zip(axes) {
+                let place =
+                    Place { start: axis.start + i * axis.number.size, divisor: batch.divisor, ..*axis };
+                *slot = place.read(body, numbers)?;
+            }
+            batch.samples.push(sample);
+        }
+        Some(())
+    }
+
+    fn length_us(&self) -> f64 {
+        self.count as f64 * self.step_us
+    }
+
+    /// Its samples with their times.
+    fn rows(&self) -> impl Iterator<Item = Sample> + '_ {
+        self.samples.iter().enumerate().map(|(i, values)| {
+            let mut sample = [f64::NAN; 7];
+            sample[0] = self.start_us + i as f64 * self.step_us;
+            sample[self.at..self.at + 3].copy_from_slice(values);
+            sample
+        })
     }
 }
 
@@ -350,12 +466,50 @@ mod tests {
         assert!(channel(&within, "gx").samples.iter().all(|x| !x.is_finite() || (0.0..40.0).contains(x)));
         let cut = [start(), gyr(), samples(0, 0..20)].concat();
         assert!(note(&cut[..cut.len() - 1], "cut off"));
-        let batches =
-            [start(), gyr(), described(30, 5, BATCH, "h", "x"), message(30, &[1, 2]), samples(0, 0..20)];
-        assert!(note(&batches.concat(), "batches"));
         let long = [start(), gyr(), samples(0, 0..9000), vec![0; 3000], samples(0, 9000..9020)].concat();
         assert!(note(&long, &format!("{} bytes", 3000 + last.len())));
         assert_eq!(channel(&long, "gx").samples.len(), 9020);
+    }
+
+    /// Batches of 64 samples of a gyro at 1 kHz that begin so many µs apart; sample k has the rate k / 100 about x.
+    fn batches(apart_us: u64) -> Vec<u8> {
+        let labels = "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate";
+        let mut bytes = described(30, 3 + 28, "ISBH", "QHBBHHQf", labels);
+        bytes.extend(described(31, 3 + 12 + 192, "ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z"));
+        for number in 0..5_u16 {
+            let (logged, begun) = ([0; 8], (u64::from(number) * apart_us).to_le_bytes());
+            let words = [number, 0x0101, 100, 64].map(u16::to_le_bytes).concat();
+            bytes.extend(message(30, &[&logged[..], &words, &begun, &1000_f32.to_le_bytes()].concat()));
+            for part in 0..2_u16 {
+                let values = (0..32).map(|i| (64 * number + 32 * part + i) as i16);
+                let lists: Vec<u8> =
+                    values.chain([50; 32]).chain([-100; 32]).flat_map(i16::to_le_bytes).collect();
+                let words = [number, part].map(u16::to_le_bytes).concat();
+                bytes.extend(message(31, &[&logged[..], &words, &lists].concat()));
+            }
+        }
+        bytes
+    }
+
+    #[test]
+    fn batches_are_a_record_if_they_follow_each_other_without_a_gap() {
+        for apart_us in [64_000, 64_500] {
+            let bytes = [start(), batches(apart_us)].concat();
+            let expected: Vec<f64> = (0..320).map(|k| f64::from(k) / 100.0).collect();
+            assert_eq!(channel(&bytes, "gx").samples, expected);
+            assert_eq!([channel(&bytes, "gy").samples[7], channel(&bytes, "gz").samples[319]], [0.5, -1.0]);
+        }
+        let gapped = [start(), batches(200_000)].concat();
+        let said = refusal(&gapped, "gx");
+        assert!(said.contains("ISBD_gyro_1 is not read: its batches of 0.064 s begin 0.2 s apart"), "{said}");
+        let beside = [start(), gyr(), batches(200_000), samples(0, 0..20)].concat();
+        assert!(note(&beside, "ISBD_gyro_1 is not read"));
+        // A message within is lost.
+        let sound = [start(), batches(64_000)].concat();
+        let lost = 3 + 12 + 192;
+        let end = sound.len() - 3 * lost;
+        let bytes = [&sound[..end - 3 - 28 - lost], &sound[end - 3 - 28..]].concat();
+        assert!(refusal(&bytes, "gx").contains("parts of its batches are missing"));
     }
 
     #[test]

@@ -78,12 +78,7 @@ fn text<'v>(values: &[Value<'v>], column: usize) -> &'v str {
 }
 
 /// Reads all messages with samples.
-fn read(
-    database: &mut Database,
-    topics: &Table,
-    messages: &Table,
-    found: &mut Messages,
-) -> io::Result<()> {
+fn read(database: &mut Database, topics: &Table, messages: &Table, found: &mut Messages) -> io::Result<()> {
     let mut definitions = HashMap::new();
     if let Some(table) = database.table("message_definitions") {
         let [kind, encoding, text_of] =

@@ -1,9 +1,10 @@
 //! Groups of samples, each of one sensor or topic of a file, and the columns that they make.
 
 use crate::record::RecordError;
-use crate::record::binary::{Array, Arrays};
+use crate::record::binary::{Array, Arrays, Number};
 use crate::record::column_file::{MAX_LISTED, Rules};
 use crate::record::format::Columns;
+use crate::record::log::Field;
 use crate::record::names::Name;
 
 /// Numbers of a sample: its time, the angular rate in rad/s and the acceleration in m/s².
@@ -67,9 +68,64 @@ impl Topic {
         sample
     }
 
-    /// Whether it has angular rates and accelerations.
-    pub(crate) fn has(&self) -> [bool; 2] {
-        self.vectors.each_ref().map(Option::is_some)
+    /// Fields of the angular rate and of the acceleration.
+    pub(crate) fn vectors(&self) -> [Option<[&'static str; 3]>; 2] {
+        self.vectors.each_ref().map(|vector| vector.as_ref().map(|vector| vector.fields))
+    }
+}
+
+/// The place of a number in a message, its type, and what it is divided by.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub start: usize,
+    pub number: &'static Number,
+    pub divisor: f64,
+}
+
+impl Place {
+    /// The number in a message, if that is long enough. `numbers` is used in between.
+    pub(crate) fn read(&self, message: &[u8], numbers: &mut Vec<f64>) -> Option<f64> {
+        self.append(message, numbers)?;
+        numbers.pop()
+    }
+
+    /// Adds the number in a message to others, if the message is long enough.
+    fn append(&self, message: &[u8], numbers: &mut Vec<f64>) -> Option<()> {
+        let bytes = message.get(self.start..)?.get(..self.number.size)?;
+        (self.number.decode)(bytes, numbers);
+        numbers.last_mut().map(|number| *number /= self.divisor)
+    }
+}
+
+/// The places of the wanted numbers of a message: the time and the fields of its topic.
+pub(crate) struct Layout {
+    pub topic: &'static Topic,
+    /// Unit of the time.
+    pub unit: &'static str,
+    time: Place,
+    places: Vec<Place>,
+}
+
+impl Layout {
+    /// The places for the first of some topics whose fields a message all has, with the first of the `times` that it has; `place` finds
+    /// a field.
+    pub(crate) fn new(
+        mut topics: impl Iterator<Item = &'static Topic>,
+        times: &[(&str, &'static str)],
+        place: impl Fn(&str) -> Option<Place>,
+    ) -> Option<Layout> {
+        let places = |topic: &Topic| topic.fields().into_iter().map(&place).collect::<Option<Vec<_>>>();
+        let (topic, places) = topics.find_map(|topic| Some((topic, places(topic)?)))?;
+        let (time, unit) = times.iter().find_map(|(name, unit)| Some((place(name)?, *unit)))?;
+        Some(Layout { topic, unit, time, places })
+    }
+
+    /// The sample of a message, if that is long enough. `numbers` is used in between.
+    pub(crate) fn sample(&self, message: &[u8], numbers: &mut Vec<f64>) -> Option<Sample> {
+        let time = self.time.read(message, numbers)?;
+        numbers.clear();
+        self.places.iter().try_for_each(|place| place.append(message, numbers))?;
+        Some(self.topic.sample(time, numbers))
     }
 }
 
@@ -109,24 +165,25 @@ pub(crate) static PX4: [Topic; 8] = [
     },
 ];
 
-/// Fields of these topics with the time of a sample, in µs; the first that there is.
-pub(crate) const PX4_TIMES: [&str; 2] = ["timestamp_sample", "timestamp"];
+/// Fields of these topics with the time of a sample, with their unit; the first that there is.
+pub(crate) const PX4_TIMES: [(&str, &str); 2] = [("timestamp_sample", "us"), ("timestamp", "us")];
 
 /// The samples of one sensor.
 pub(crate) struct Group {
     pub name: String,
+    /// Type of its messages.
+    pub kind: String,
     /// Unit of its times.
     pub unit: &'static str,
-    /// Whether it has angular rates and accelerations.
-    pub has: [bool; 2],
+    /// Fields of the angular rates and of the accelerations, if it has them.
+    pub vectors: [Option<[&'static str; 3]>; 2],
     pub rows: Vec<Sample>,
 }
 
 /// The columns of all groups with at least two samples.
 pub(crate) struct Groups {
     arrays: Arrays,
-    names: Vec<String>,
-    rows: Vec<Vec<Sample>>,
+    groups: Vec<Group>,
     /// The group of each array, and the place of its numbers in a sample.
     places: Vec<(usize, usize)>,
     notes: Vec<String>,
@@ -157,12 +214,11 @@ impl Groups {
             add(&format!("time [{}]", group.unit), 0);
             let vectors = VECTORS.iter().flatten().zip(1..);
             vectors
-                .filter(|(_, place)| group.has[(place - 1) / 3])
+                .filter(|(_, place)| group.vectors[(place - 1) / 3].is_some())
                 .for_each(|(name, place)| add(name, place));
         }
         let arrays = Arrays::new(file, &about, &[], None)?;
-        let (names, rows) = groups.into_iter().map(|group| (group.name, group.rows)).unzip();
-        Ok(Box::new(Groups { arrays, names, rows, places, notes }))
+        Ok(Box::new(Groups { arrays, groups, places, notes }))
     }
 }
 
@@ -178,12 +234,19 @@ impl Columns for Groups {
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
         self.arrays.read(wanted, rules, |array, _| {
             let (group, place) = self.places[array];
-            Ok(vec![self.rows[group].iter().map(|sample| sample[place]).collect()])
+            Ok(vec![self.groups[group].rows.iter().map(|sample| sample[place]).collect()])
         })
     }
 
     fn groups(&self) -> Vec<(&str, usize)> {
-        self.names.iter().zip(&self.rows).map(|(name, rows)| (name.as_str(), rows.len())).collect()
+        self.groups.iter().map(|group| (group.name.as_str(), group.rows.len())).collect()
+    }
+
+    fn field(&self, column: usize) -> Option<Field> {
+        let (group, place) = *self.places.get(column)?;
+        let (group, at) = (&self.groups[group], place.checked_sub(1)?);
+        let name = group.vectors[at / 3]?[at % 3].to_owned();
+        Some(Field { topic: group.name.clone(), kind: group.kind.clone(), name })
     }
 
     fn inferred(&self) -> Vec<String> {

@@ -103,6 +103,8 @@ enum Step {
 
 /// A reader of messages of one type.
 pub(crate) struct Reader {
+    /// Name of the type.
+    kind: String,
     topic: &'static Topic,
     encoding: Encoding,
     /// Whether the time is that of a header and not that of PX4.
@@ -145,7 +147,7 @@ impl Reader {
         let types = divided(&kind, text);
         let mut refused = malformed(&format!("the definition of {kind} has no time and angular rate"));
         for topic in PX4.iter().filter(|topic| topic.name == name) {
-            for time in PX4_TIMES {
+            for (time, _) in PX4_TIMES {
                 match Reader::of_topic(topic, &kind, &[time], &types, encoding) {
                     Ok(reader) => return Ok(Some(reader)),
                     Err(error) => refused = Err(error),
@@ -168,7 +170,8 @@ impl Reader {
         if let Some(at) = walk.found.iter().position(|found| !found) {
             return malformed(&format!("the definition of {kind} has no `{}`", wanted[at]));
         }
-        Ok(Reader { topic, encoding, is_stamped: times.len() == 2, steps, slots: wanted.len() })
+        let (kind, is_stamped) = (kind.to_owned(), times.len() == 2);
+        Ok(Reader { kind, topic, encoding, is_stamped, steps, slots: wanted.len() })
     }
 
     /// The unit of the times.
@@ -437,12 +440,13 @@ impl Messages {
         let Some(sample) = reader.sample(&packed::message(message)?) else {
             return malformed(&format!("a message of {topic} is no {}", reader.topic.name));
         };
-        let (unit, has) = (reader.unit(), reader.topic.has());
+        let (unit, vectors) = (reader.unit(), reader.topic.vectors());
         match self.topics.get_mut(topic) {
-            Some(group) if group.unit == unit && group.has == has => group.rows.push(sample),
+            Some(group) if group.kind == reader.kind => group.rows.push(sample),
             Some(_) => return malformed(&format!("{topic} has messages of several types")),
             None => {
-                let group = Group { name: topic.to_owned(), unit, has, rows: vec![sample] };
+                let (name, kind) = (topic.to_owned(), reader.kind.clone());
+                let group = Group { name, kind, unit, vectors, rows: vec![sample] };
                 self.topics.insert(topic.to_owned(), group);
             }
         }

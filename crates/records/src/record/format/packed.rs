@@ -11,7 +11,7 @@ use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 #[cfg(feature = "ros")]
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
-use crate::record::format::check_unpacked;
+use crate::record::format::{check_unpacked, part};
 use crate::record::malformed;
 
 /// Most bytes that a file may unpack to: it is held in memory.
@@ -112,8 +112,7 @@ pub(crate) fn unpacked_chunk<'p>(
     if size > most {
         return malformed("a chunk is too long");
     }
-    let mut bytes = Vec::new();
-    reader.by_ref().take(size).read_to_end(&mut bytes)?;
+    let bytes = part(&mut reader, size)?;
     // Checksums stand behind the bytes, and are compared where the data end.
     match bytes.len() as u64 == size && reader.read(&mut [0])? == 0 {
         true => Ok(bytes.into()),

@@ -16,7 +16,7 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::record::format::messages::{Messages, Reader};
 use crate::record::format::packed::unpacked_chunk;
-use crate::record::format::{Columns, Source, check_unpacked};
+use crate::record::format::{Columns, Source, check_unpacked, part};
 use crate::record::{RecordError, malformed, told};
 
 /// Bytes that were unpacked from a file.
@@ -285,21 +285,18 @@ fn record(reader: &mut dyn Read) -> io::Result<Option<(Fields, Vec<u8>)>> {
         return Ok(None);
     }
     reader.read_exact(&mut length[1..])?;
-    let header = part(reader, u32::from_le_bytes(length), MAX_HEADER)?;
+    let header = whole(reader, u32::from_le_bytes(length), MAX_HEADER)?;
     reader.read_exact(&mut length)?;
-    Ok(Some((Fields::new(&header)?, part(reader, u32::from_le_bytes(length), MAX_BAG_RECORD)?)))
+    Ok(Some((Fields::new(&header)?, whole(reader, u32::from_le_bytes(length), MAX_BAG_RECORD)?)))
 }
 
 /// The next `length` bytes; memory is taken only for those that are there.
-fn part(reader: &mut dyn Read, length: u32, most: u32) -> io::Result<Vec<u8>> {
+fn whole(reader: &mut dyn Read, length: u32, most: u32) -> io::Result<Vec<u8>> {
     if length > most {
         return malformed("a record is too long");
     }
-    let mut bytes = Vec::new();
-    match Read::take(reader, length.into()).read_to_end(&mut bytes)? {
-        read if read == length as usize => Ok(bytes),
-        _ => malformed("it ends too early"),
-    }
+    let bytes = part(reader, length.into())?;
+    if bytes.len() == length as usize { Ok(bytes) } else { malformed("it ends too early") }
 }
 
 impl Bag {

@@ -3,13 +3,16 @@
 //! The parser is our own: a file is a series of messages with their lengths, which describe their own fields, so that a few pages read it.
 //! The format is that of docs.px4.io, "ULog File Format". A log that was cut off, as where the power failed, is read as far as it
 //! goes.
+//!
+//! Samples of a gyro at its full rate (`sensor_gyro_fifo`) are in batches, whose time is that of their last sample. Where batches follow
+//! each other without a gap, their times give the spacing of the samples, because the clock of the sensor is not that of the logger.
 
 use std::collections::HashMap;
 use std::io::{self, BufReader, Read};
 
 use crate::record::binary::Number;
-use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Sample, Topic, held};
-use crate::record::format::{Columns, Format, Source};
+use crate::record::format::groups::{Group, Groups, Layout, PX4, PX4_TIMES, Place, Sample, held};
+use crate::record::format::{Columns, Format, Source, part};
 use crate::record::{RecordError, malformed, told};
 
 /// The first bytes of a file, after which its version and the time of its start follow.
@@ -50,7 +53,7 @@ struct Log {
     /// Fields of each format, as `type name`.
     formats: HashMap<String, Vec<String>>,
     /// The group of each subscribed topic and the places of its numbers, none for other topics.
-    topics: HashMap<u16, Option<(usize, Layout)>>,
+    topics: HashMap<u16, Option<(usize, Content)>>,
     groups: Vec<Group>,
     /// Names of topics without samples.
     others: Vec<String>,
@@ -64,30 +67,39 @@ struct Log {
     numbers: Vec<f64>,
 }
 
-/// The places of the wanted numbers of a message: the time and the fields of its topic.
-struct Layout {
-    topic: &'static Topic,
-    time: Place,
-    places: Vec<Place>,
+/// What a message with samples has.
+enum Content {
+    Sample(Layout),
+    Batch(Batch),
 }
 
-/// The place of a number in a message, and its type.
-#[derive(Clone, Copy)]
-struct Place {
-    start: usize,
-    number: &'static Number,
+/// The topics with batches, and the places of their axes in a sample.
+const BATCHES: [(&str, usize); 2] = [("sensor_gyro_fifo", 1), ("sensor_accel_fifo", 4)];
+
+/// The axes of a batch, each a list of numbers.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The places of the numbers of a batch.
+struct Batch {
+    /// Time of the last sample, µs.
+    time: Place,
+    /// Nominal time from sample to sample, µs.
+    step: Place,
+    /// Size of a unit of the samples, rad/s or m/s².
+    scale: Place,
+    /// Number of samples.
+    count: Place,
+    /// The first sample of each axis, behind which the others follow.
+    axes: [Place; 3],
+    /// Most samples.
+    most: usize,
+    /// The place of the first axis in a sample.
+    at: usize,
 }
 
 /// A damaged message.
 fn damaged<T>(what: &str) -> io::Result<T> {
     malformed(&format!("{what} is damaged"))
-}
-
-/// Bytes that are there of the next `length` ones.
-fn part(reader: &mut dyn Read, length: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    Read::take(reader, length).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 impl Log {
@@ -159,43 +171,54 @@ impl Log {
             return damaged("a subscription");
         };
         let (id, name) = (u16::from_le_bytes([*low, *high]), String::from_utf8_lossy(name));
-        let mut topics = PX4.iter().filter(|topic| topic.name == name).peekable();
-        let mut layout = None;
-        if topics.peek().is_some() {
-            let Some(fields) = self.fields(&name)? else {
-                return malformed(&format!("{name} has no format"));
-            };
-            layout = topics.find_map(|topic| Layout::new(topic, &fields));
-        }
-        let Some(layout) = layout else {
+        let batch = BATCHES.iter().find(|(topic, _)| *topic == name);
+        let is_known = batch.is_some() || PX4.iter().any(|topic| topic.name == name);
+        let fields = if is_known { self.fields(&name)? } else { Some(HashMap::new()) };
+        let Some(fields) = fields else {
+            return malformed(&format!("{name} has no format"));
+        };
+        let content = match batch {
+            Some((_, at)) => Batch::new(&fields, *at).map(Content::Batch),
+            None => {
+                let topics = PX4.iter().filter(|topic| topic.name == name);
+                let layout = Layout::new(topics, &PX4_TIMES, |field| fields.get(field).copied());
+                layout.map(Content::Sample)
+            }
+        };
+        let Some(content) = content else {
             self.others.push(name.into_owned());
             self.topics.insert(id, None);
             return Ok(());
         };
+        let vectors = match &content {
+            Content::Sample(layout) => layout.topic.vectors(),
+            Content::Batch(batch) => [1, 4].map(|at| (batch.at == at).then_some(AXES)),
+        };
         // As pyulog calls them.
-        let name = format!("{name}_{instance}");
+        let (kind, name) = (name.to_string(), format!("{name}_{instance}"));
         let known = self.groups.iter().position(|group| group.name == name);
         let group = known.unwrap_or_else(|| {
-            self.groups.push(Group { name, unit: "us", has: layout.topic.has(), rows: vec![] });
+            self.groups.push(Group { name, kind, unit: "us", vectors, rows: vec![] });
             self.groups.len() - 1
         });
-        self.topics.insert(id, Some((group, layout)));
+        self.topics.insert(id, Some((group, content)));
         Ok(())
     }
 
     fn data(&mut self, body: &[u8]) -> io::Result<()> {
         let Some((id, data)) = body.split_first_chunk() else { return damaged("a message") };
-        match self.topics.get(&u16::from_le_bytes(*id)) {
-            None => malformed("a message belongs to no topic"),
-            Some(None) => Ok(()),
-            Some(Some((group, layout))) => match layout.sample(data, &mut self.numbers) {
-                Some(sample) => {
-                    self.groups[*group].rows.push(sample);
-                    Ok(())
-                }
-                None => damaged(&format!("a message of {}", self.groups[*group].name)),
-            },
-        }
+        let (group, content) = match self.topics.get(&u16::from_le_bytes(*id)) {
+            None => return malformed("a message belongs to no topic"),
+            Some(None) => return Ok(()),
+            Some(Some((group, content))) => (&mut self.groups[*group], content),
+        };
+        let taken = match content {
+            Content::Sample(layout) => {
+                layout.sample(data, &mut self.numbers).map(|sample| group.rows.push(sample))
+            }
+            Content::Batch(batch) => batch.take(data, &mut group.rows, &mut self.numbers),
+        };
+        taken.map_or_else(|| damaged(&format!("a message of {}", group.name)), Ok)
     }
 
     /// The places of all numbers of a format by name, those of an array as `name[0]`, if the format is known.
@@ -246,8 +269,8 @@ impl Walk<'_> {
                 self.left = left;
                 match number {
                     Some(number) => {
-                        self.places
-                            .insert(format!("{path}{name}{index}"), Place { start: self.size, number });
+                        let place = Place { start: self.size, number, divisor: 1.0 };
+                        self.places.insert(format!("{path}{name}{index}"), place);
                         self.size += number.size;
                     }
                     None if depth >= DEEPEST => return malformed("formats are too deep within each other"),
@@ -280,23 +303,43 @@ fn number(kind: &str) -> Option<&'static Number> {
     })
 }
 
-impl Layout {
+impl Batch {
     /// The places of the numbers of a topic, if all its fields are there.
-    fn new(topic: &'static Topic, fields: &HashMap<String, Place>) -> Option<Layout> {
+    fn new(fields: &HashMap<String, Place>, at: usize) -> Option<Batch> {
         let place = |name: &str| fields.get(name).copied();
-        let places = topic.fields().into_iter().map(place).collect::<Option<_>>()?;
-        Some(Layout { topic, time: PX4_TIMES.into_iter().find_map(place)?, places })
+        let of_axis = |axis: &str| (0..).map_while(|i| place(&format!("{axis}[{i}]"))).collect::<Vec<_>>();
+        let axes = AXES.map(of_axis);
+        let most = axes.iter().map(Vec::len).min()?;
+        let [x, y, z] = axes.each_ref().map(|axis| axis.first().copied());
+        Some(Batch {
+            time: place("timestamp_sample")?,
+            step: place("dt")?,
+            scale: place("scale")?,
+            count: place("samples")?,
+            axes: [x?, y?, z?],
+            most,
+            at,
+        })
     }
 
-    /// The sample of a message, if that is long enough. `numbers` is used in between.
-    fn sample(&self, data: &[u8], numbers: &mut Vec<f64>) -> Option<Sample> {
-        numbers.clear();
-        for place in [&self.time].into_iter().chain(&self.places) {
-            let bytes = data.get(place.start..)?.get(..place.number.size)?;
-            (place.number.decode)(bytes, numbers);
+    /// Adds the samples of a message to those before, if it is long enough. `numbers` is used in between.
+    fn take(&self, data: &[u8], rows: &mut Vec<Sample>, numbers: &mut Vec<f64>) -> Option<()> {
+        let mut number = |place: &Place| place.read(data, numbers);
+        let (time, step, scale) = (number(&self.time)?, number(&self.step)?, number(&self.scale)?);
+        let count = number(&self.count).filter(|count| (0.0..=self.most as f64).contains(count))?;
+        // From the batch before, unless one was lost between.
+        let passed = rows.last().map_or(0.0, |last| time - last[0]) / count;
+        let step = if passed > 0.5 * step && passed < 1.5 * step { passed } else { step };
+        for i in 0..count as usize {
+            let mut sample = [f64::NAN; 7];
+            sample[0] = time - (count - 1.0 - i as f64) * step;
+            for (axis, slot) in self.axes.iter().zip(&mut sample[self.at..]) {
+                let place = Place { start: axis.start + i * axis.number.size, ..*axis };
+                *slot = scale * number(&place)?;
+            }
+            rows.push(sample);
         }
-        let (time, numbers) = numbers.split_first()?;
-        Some(self.topic.sample(*time, numbers))
+        Some(())
     }
 }
 

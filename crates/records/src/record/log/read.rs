@@ -479,6 +479,6 @@ fn channel(
     let is_unit_guessed = given.is_none() && name.is_some_and(|name| name.unit != unit_in_header);
     let shown = name.map(|name| name.bare.clone()).filter(|name| !name.is_empty());
     let name = shown.unwrap_or_else(|| (column + 1).to_string());
-    let place = file.place(Some(column));
-    Ok(Channel { name, unit, unit_in_header, is_unit_guessed, samples: vec![], place })
+    let (place, field) = (file.place(Some(column)), file.field(column));
+    Ok(Channel { name, unit, unit_in_header, is_unit_guessed, samples: vec![], place, field })
 }
