@@ -25,14 +25,14 @@ Counts = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Minimum:
-    """The minimum of a curve, which data sheets call in-run bias stability. It differs from the bias instability B."""
+    """The minimum of a curve up to an eighth of the record: the in-run bias stability of data sheets, not the bias instability B."""
 
     tau: float
     value: float
     lower: float | None
     upper: float | None
     at_end: bool
-    """Whether the curve ends there, so that a longer record may show a lower one."""
+    """Whether it is the last of these points: the stability is at most ``upper``, and a longer record may show a better one."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Allan(Mapping[str, Curve]):
 
     curves: dict[str, Curve]
     answer: Answer
-    """The minimum of the first curve up to an eighth of the record."""
+    """The minimum of the first curve."""
     notes: tuple[str, ...]
     """What was inferred about a log, and what looks doubtful in it, each a sentence."""
     missing: int

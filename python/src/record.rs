@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::{Angles, Trend};
 use sagnac::allan::deviation::{Deviation, Taus};
-use sagnac::allan::{Point, curve, minimum, suppose};
+use sagnac::allan::{Minimum, Point, curve, suppose};
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
-use sagnac::analysis::log::report::least_or_bound;
+use sagnac::analysis::log::report::in_run_bias_stability;
 use sagnac::analysis::log::{Suppose, Treatment, events, model, slope, temperatures};
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
 use sagnac::events::{Event, Events};
@@ -359,13 +359,16 @@ pub fn curves<'py>(
     document.set_item("events", events)?;
     let stability = curves.iter().find(|(deviation, _)| !deviation.is_of_angle());
     let samples = record.angles.len().saturating_sub(1);
-    let stability =
-        stability.and_then(|(deviation, points)| least_or_bound(record.unit, *deviation, points, samples));
+    let stability = stability.and_then(|(deviation, points)| {
+        let least = Minimum::from_record(points, samples)?;
+        Some(in_run_bias_stability(record.unit, *deviation, &least))
+    });
     let subject = Subject { stability, ..record.subject() };
     let decision = decide(&[subject], &limits, "record");
     document.set_item("answer", super::run::shown(&decision.answer))?;
     document.set_item("limits", rows_of(&decision.table()))?;
-    let curves = curves.iter().map(|(deviation, points)| of_curve(py, *deviation, points, record.unit));
+    let curves =
+        curves.iter().map(|(deviation, points)| of_curve(py, *deviation, points, samples, record.unit));
     document.set_item("curves", curves.collect::<PyResult<Vec<_>>>()?)?;
     Ok(document)
 }
@@ -374,6 +377,7 @@ fn of_curve<'py>(
     py: Python<'py>,
     deviation: Deviation,
     points: &[Point],
+    samples: usize,
     unit: sagnac::allan::deviation::Unit,
 ) -> PyResult<Bound<'py, PyDict>> {
     let document = PyDict::new(py);
@@ -396,7 +400,7 @@ fn of_curve<'py>(
     document.set_item("alpha_carried", PyArray1::from_vec(py, carried))?;
     document.set_item("edf", numbers(&|point| point.edf))?;
     // A time deviation rises with τ, so its minimum does not describe stability.
-    let least = minimum(points).filter(|_| !deviation.is_of_angle()).map(|least| {
+    let least = Minimum::from_record(points, samples).filter(|_| !deviation.is_of_angle()).map(|least| {
         let ends = least.point.interval.unzip();
         (least.point.tau_s, least.point.value, ends.0, ends.1, least.at_end)
     });

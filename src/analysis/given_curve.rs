@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::analysis::data_sheet::{DataSheet, Row};
+use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::figures::{along, label};
 use crate::analysis::log::report::{coefficients_of, curves, in_run_bias_stability};
 use crate::analysis::log::{Column, Curve, noise_file};
@@ -35,8 +35,6 @@ pub struct Analysis {
     pub file: CurveFile,
     /// The curve as a column of a log would have it.
     pub column: Column,
-    /// The minimum of the points that count, and whether the curve ends there.
-    minimum: Option<Minimum>,
 }
 
 impl Analysis {
@@ -60,9 +58,7 @@ impl Analysis {
             left: 1.0,
             interval: Some(point.interval.into()),
         };
-        let least = counted.iter().min_by(|a, b| a.value.total_cmp(&b.value));
-        let at_end = least.map(|least| least.tau_s) == counted.last().map(|last| last.tau_s);
-        let minimum = least.map(|least| Minimum { point: point(least), at_end });
+        let minimum = Minimum::from_points(&counted.iter().map(point).collect::<Vec<Point>>());
         let points = file.points.iter().map(point).collect();
         let column = Column {
             name: file.name.clone(),
@@ -80,7 +76,7 @@ impl Analysis {
             curves: vec![Curve { deviation: file.deviation, points, minimum }],
             noise: noise.transpose(),
         };
-        Analysis { path: path.to_owned(), file, column, minimum }
+        Analysis { path: path.to_owned(), file, column }
     }
 
     /// The file, the number of its points and their range of τ.
@@ -98,23 +94,17 @@ impl Analysis {
 
     /// The answer, with the judgements of the limits.
     pub fn decision(&self, limits: &[Limit]) -> Decision {
-        let stability = self.minimum.map(|minimum| {
-            let row = in_run_bias_stability(self.file.unit, self.file.deviation, &minimum);
-            match minimum.at_end {
-                true => {
-                    let interval = row.interval.map(|[_, upper]| [0.0, upper]);
-                    Row { value: None, interval, ..row }
-                }
-                false => row,
-            }
-        });
-        let tau_s = self.minimum.filter(|minimum| !minimum.at_end).map(|minimum| minimum.point.tau_s);
+        let least = self.column.minimum();
+        let row = |(curve, least): (&Curve, &Minimum)| {
+            in_run_bias_stability(self.column.unit, curve.deviation, least)
+        };
+        let tau_s = |(_, least): (&Curve, &Minimum)| (!least.at_end).then_some(least.point.tau_s);
         let subject = Subject {
             label: &self.column.name,
             unit: self.column.unit,
             noise: self.column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
-            stability,
-            stability_tau_s: tau_s,
+            stability: least.map(row),
+            stability_tau_s: least.and_then(tau_s),
             floor: None,
             samples: 0,
             step_s: 0.0,

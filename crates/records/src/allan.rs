@@ -212,19 +212,33 @@ fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
     Some((end(1.0 - tail)?, end(tail)?))
 }
 
+/// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
+const MIN_RECORD: usize = 8;
+
 /// The minimum of a curve, which data sheets call in-run bias stability. It is not the bias instability B.
+///
+/// Averaging times beyond an eighth of the record do not count: estimates there have so few degrees of freedom that the lowest is low by
+/// chance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Minimum {
     /// The lowest point; of equal ones that with the shortest τ.
     pub point: Point,
-    /// Whether the curve ends there, so that the stability may be better than this record shows.
+    /// Whether it is the last point that counts, so that the stability may be better than this record shows.
     pub at_end: bool,
 }
 
-/// The minimum of a curve; `None` where no point is above 0.
-pub fn minimum(points: &[Point]) -> Option<Minimum> {
-    let known = || points.iter().filter_map(|point| Some((point, point.value.filter(|value| *value > 0.0)?)));
-    let (point, _) = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let last = known().next_back()?.0;
-    Some(Minimum { point: *point, at_end: last.m == point.m })
+impl Minimum {
+    /// The minimum of the curve of a record with so many samples; `None` where no point up to an eighth of the record is above 0.
+    pub fn from_record(points: &[Point], samples: usize) -> Option<Minimum> {
+        Minimum::from_points(&points[..points.partition_point(|point| MIN_RECORD * point.m <= samples)])
+    }
+
+    /// The minimum of points that all count; `None` where none is above 0.
+    pub fn from_points(points: &[Point]) -> Option<Minimum> {
+        let known =
+            || points.iter().filter_map(|point| Some((point, point.value.filter(|value| *value > 0.0)?)));
+        let (point, _) = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (last, _) = known().next_back()?;
+        Some(Minimum { point: *point, at_end: last.tau_s == point.tau_s })
+    }
 }

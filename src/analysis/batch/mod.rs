@@ -23,8 +23,8 @@ use std::path::Path;
 
 use crate::analysis::batch::random_effects::{Estimate, Pooled};
 use crate::analysis::data_sheet::{Row, each_once};
-use crate::analysis::log::report::least_or_bound;
-use crate::analysis::log::{self, Column, Curve, Treatment};
+use crate::analysis::log::report::in_run_bias_stability;
+use crate::analysis::log::{self, Column, Treatment};
 use sagnac_records::allan::Unit as Curves;
 
 /// Probability of an outlier in a batch without one.
@@ -272,7 +272,7 @@ impl Batch {
 
 /// The coefficients of all units, each under its name.
 fn coefficients(units: &[UnitColumn<'_>]) -> Vec<Coefficient> {
-    let rows: Vec<Vec<Row>> = units.iter().map(|(log, column)| rows(log, column)).collect();
+    let rows: Vec<Vec<Row>> = units.iter().map(|(_, column)| rows(column)).collect();
     let of_kind = |kind: &&Row| {
         let of_unit = |rows: &Vec<Row>| {
             let row = rows.iter().find(|row| row.name == kind.name)?.clone();
@@ -285,11 +285,10 @@ fn coefficients(units: &[UnitColumn<'_>]) -> Vec<Coefficient> {
     each_once(rows.iter().flatten()).iter().map(of_kind).collect()
 }
 
-/// The coefficients of a column and the minimum of its curve up to an eighth of the record. Where that is the last point, it is an
-/// upper bound.
-fn rows(log: &log::Analysis, column: &Column) -> Vec<Row> {
-    let least = |curve: &Curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples);
-    let stability = column.curves.first().and_then(least);
+/// The coefficients of a column and the minimum of its curve.
+fn rows(column: &Column) -> Vec<Row> {
+    let stability =
+        column.minimum().map(|(curve, least)| in_run_bias_stability(column.unit, curve.deviation, least));
     column.coefficients().iter().cloned().chain(stability).collect()
 }
 

@@ -176,7 +176,7 @@ pub fn notes(batch: &Batch) -> Vec<String> {
 
 /// Meaning of the column that names coefficients.
 const COEFFICIENT: &str = "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_bias_stability`, the \
-     minimum of the curve.";
+     minimum up to an eighth of the record.";
 
 /// A row of `units.csv`.
 pub(crate) struct UnitRow<'a> {

@@ -12,7 +12,7 @@ use sagnac_theory::allan::{Part, Process, Term};
 
 use crate::analysis::compare::estimate::SAME;
 use crate::analysis::log::events::are_left_out;
-use crate::analysis::log::report::{heading, least, least_or_bound};
+use crate::analysis::log::report::{heading, in_run_bias_stability};
 use crate::analysis::log::{Analysis, Column, Curve};
 
 /// Points of a line per octave of τ: of a sine, whose hump has ripples, and of any other term.
@@ -163,9 +163,8 @@ fn marks(
         };
         Some(Mark { shape: figure::Shape::Coefficient, place, range: None, label })
     };
-    let minimum = || {
-        let row = least_or_bound(column.unit, curve.deviation, &curve.points, analysis.samples)?;
-        let least = least(&curve.points, analysis.samples)?;
+    let minimum = curve.minimum.and_then(|least| {
+        let row = in_run_bias_stability(column.unit, curve.deviation, &least);
         // Where the curve still falls, its label is an upper bound.
         let y = if least.at_end { least.point.interval?.1 } else { least.point.value? };
         let place = (least.point.tau_s, y);
@@ -175,8 +174,7 @@ fn marks(
             range: None,
             label: format!("minimum {}", row.cell().text),
         })
-    };
-    let minimum = if curve.deviation.is_of_angle() { None } else { minimum() };
+    });
     terms.iter().filter_map(coefficient).chain(minimum).collect()
 }
 

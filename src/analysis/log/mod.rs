@@ -28,7 +28,7 @@ use sagnac_base::quantity::number::significant;
 use sagnac_engine::kinds::allan::run::Simulator;
 use sagnac_records::allan::{
     Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Overdispersion, Point, TauError, Taus, Trend, Unit,
-    curve, minimum, suppose,
+    curve, suppose,
 };
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
@@ -188,6 +188,12 @@ impl Column {
         !self.outliers.samples.is_empty() && !self.outliers.are_spikes(samples)
     }
 
+    /// The minimum of its first curve of rates, with that curve.
+    pub fn minimum(&self) -> Option<(&Curve, &Minimum)> {
+        let curve = self.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
+        Some((curve, curve.minimum.as_ref()?))
+    }
+
     /// Its coefficients; empty where there are none.
     pub fn coefficients(&self) -> &[Row] {
         self.noise().map_or(&[], |noise| &noise.rows)
@@ -201,7 +207,7 @@ pub struct Curve {
     pub deviation: Deviation,
     /// Points in the order of τ.
     pub points: Vec<Point>,
-    /// The lowest point; absent for a time deviation, which rises with τ and does not describe stability.
+    /// The lowest point up to an eighth of the record; absent for a time deviation, which rises with τ and does not describe stability.
     pub minimum: Option<Minimum>,
 }
 
@@ -520,7 +526,8 @@ fn column(
         if let Some(model) = &model {
             suppose(&mut points, angles, deviation, request.confidence, model.as_ref());
         }
-        let minimum = if deviation.is_of_angle() { None } else { minimum(&points) };
+        let samples = angles.len().saturating_sub(1);
+        let minimum = if deviation.is_of_angle() { None } else { Minimum::from_record(&points, samples) };
         Ok(Curve { deviation, minimum, points })
     });
     let curves = curves.collect::<Result<_, TauError>>()?;

@@ -5,14 +5,11 @@ use crate::analysis::log::{self, Analysis, Column, Curve};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
-use sagnac_records::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
+use sagnac_records::allan::{Deviation, Minimum, Point, Unit as Curves};
 use sagnac_records::events::Event;
 use sagnac_records::fit::{Fit, RankedModel, Term};
 use sagnac_records::record::log::measure::Data;
 use sagnac_records::record::log::outliers::OUTLYING;
-
-/// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
-const MIN_RECORD: usize = 8;
 
 /// A row of `curve.csv`.
 pub(crate) struct CurveRow<'a> {
@@ -122,7 +119,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
         key(|line| text(line.column)),
         Of::new("coefficient", Unit::NONE, "coefficient", |line| text(line.row.name))
             .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and \
-                `in_run_bias_stability`, the minimum of the curve, with its `in_run_bias_stability_tau`."),
+                `in_run_bias_stability`, the minimum up to an eighth of the record, with its `in_run_bias_stability_tau`."),
         Of::new("value", Unit::NONE, "value", |line| line.row.value.into())
             .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),
         Of::new("lower", Unit::NONE, "lower", |line| line.row.interval.map(|ends| ends[0]).into())
@@ -215,19 +212,17 @@ pub(crate) fn ranking(columns: &[Column]) -> Table {
     Table { columns: columns_of(&ranking_columns(), &rows) }
 }
 
-/// The minimum of the first curve that has one, as a separate row: the in-run bias stability of data sheets, not B.
+/// The minimum of the first curve of rates as a row, and its averaging time as another.
 fn stability(column: &log::Column) -> Vec<Row> {
-    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
-    let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
-    let row = in_run_bias_stability(column.unit, curve.deviation, &minimum);
+    let Some((curve, minimum)) = column.minimum() else { return vec![] };
+    let row = in_run_bias_stability(column.unit, curve.deviation, minimum);
     let tau = Row {
         name: "in_run_bias_stability_tau",
         unit: "s",
         symbol: "s",
         value: Some(minimum.point.tau_s),
-        fitted: None,
         interval: None,
-        verdict: row.verdict,
+        ..row
     };
     vec![row, tau]
 }
@@ -235,33 +230,19 @@ fn stability(column: &log::Column) -> Vec<Row> {
 /// The name of the row of the minimum of a curve, with which that of its τ begins.
 pub(crate) const MINIMUM: &str = "in_run_bias_stability";
 
-/// The minimum of a curve as a row.
-pub(crate) fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
+/// The minimum of a curve as a row: the in-run bias stability of data sheets, not B. Where the curve still falls there, the row has no
+/// value, and its interval ends in an upper bound.
+pub fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
+    let Minimum { point, at_end } = *minimum;
     Row {
         name: MINIMUM,
         unit: unit.in_files(deviation),
         symbol: unit.symbol(deviation),
-        value: minimum.point.value,
+        value: point.value.filter(|_| !at_end),
         fitted: None,
-        interval: minimum.point.interval.map(|(lower, upper)| [lower, upper]),
-        verdict: if minimum.at_end { "at the end of the curve" } else { "" },
+        interval: point.interval.map(|(lower, upper)| [if at_end { 0.0 } else { lower }, upper]),
+        verdict: if at_end { "upper bound: the curve still falls there" } else { "" },
     }
-}
-
-/// The minimum of a curve up to an eighth of a record of `samples` samples.
-pub(crate) fn least(points: &[Point], samples: usize) -> Option<Minimum> {
-    minimum(&points[..points.partition_point(|point| MIN_RECORD * point.m <= samples)])
-}
-
-/// The minimum of a curve as a row of its coefficients. Where the curve still falls there, the row has no
-/// value, and its interval ends in an upper bound.
-pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samples: usize) -> Option<Row> {
-    let minimum = least(points, samples)?;
-    let row = in_run_bias_stability(unit, deviation, &minimum);
-    Some(match minimum.at_end {
-        true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
-        false => row,
-    })
 }
 
 /// Whether the noise was identified at this τ.

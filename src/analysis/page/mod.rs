@@ -162,14 +162,16 @@ pub(crate) fn texts(table: &Table, name: &str) -> Vec<String> {
     table.column(name).map_or(vec![], |column| column.cells.iter().map(table::Cell::text).collect())
 }
 
-/// The minimum of the first curve of rates, such as `0.01 °/h (0.009 … 0.012) at τ = 100 s`.
+/// The minimum of the first curve of rates, such as `0.01 °/h (0.009 … 0.012) at τ = 100 s`; its upper bound where the curve still falls.
 pub(crate) fn minimum(column: &Column) -> Option<String> {
-    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
-    let Minimum { point, at_end } = curve.minimum?;
-    let value = in_unit(point.value?, column.unit.symbol(curve.deviation));
+    let (curve, &Minimum { point, at_end }) = column.minimum()?;
+    let (symbol, tau) = (column.unit.symbol(curve.deviation), significant(point.tau_s, DIGITS));
+    if at_end {
+        let most = in_unit(point.interval?.1, symbol);
+        return Some(format!("at most {most}: the curve still falls at τ = {tau} s"));
+    }
     let ends = point.interval.map(|ends| format!(" ({})", interval(ends.into()))).unwrap_or_default();
-    let end = if at_end { ", where the curve ends" } else { "" };
-    Some(format!("{value}{ends} at τ = {} s{end}", significant(point.tau_s, DIGITS)))
+    Some(format!("{}{ends} at τ = {tau} s", in_unit(point.value?, symbol)))
 }
 
 /// A value with its unit, if it has one.

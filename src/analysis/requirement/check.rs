@@ -3,12 +3,12 @@
 use crate::analysis::compare::answer::duration;
 use crate::analysis::compare::power_analysis::expected;
 use crate::analysis::data_sheet::{DataSheet, Row};
-use crate::analysis::log::report::{least_or_bound, text};
-use crate::analysis::log::{self, Column};
+use crate::analysis::log::report::{in_run_bias_stability, text};
+use crate::analysis::log::{self, Column, Curve};
 use crate::analysis::requirement::{Limit, Limited};
 use sagnac_base::quantity::number::with_unit;
 use sagnac_base::table::{Cell, ColumnOf, Role, Unit};
-use sagnac_records::allan::{Overdispersion, Unit as Curves};
+use sagnac_records::allan::{Minimum, Overdispersion, Unit as Curves};
 use sagnac_records::fit::{Fit, Quantity, Term, Terms};
 use sagnac_report::answer::{Alternative, Fact, Reading};
 
@@ -38,18 +38,16 @@ pub struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// A column of a log, with N of its density where that is flat.
     pub(crate) fn of_column(log: &log::Analysis, column: &'a Column, floor: Option<&'a Row>) -> Subject<'a> {
-        let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
-        let stability =
-            curve.and_then(|curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples));
-        let minimum = curve.and_then(|curve| curve.minimum).map(|minimum| minimum.point);
-        // That of the whole curve may lie beyond an eighth of the record.
-        let minimum = minimum.filter(|point| stability.as_ref().is_some_and(|row| row.value == point.value));
+        let least = column.minimum();
+        let row =
+            |(curve, least): (&Curve, &Minimum)| in_run_bias_stability(column.unit, curve.deviation, least);
+        let tau_s = |(_, least): (&Curve, &Minimum)| (!least.at_end).then_some(least.point.tau_s);
         Subject {
             label: &column.name,
             unit: column.unit,
             noise: column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
-            stability,
-            stability_tau_s: minimum.map(|point| point.tau_s),
+            stability: least.map(row),
+            stability_tau_s: least.and_then(tau_s),
             floor,
             samples: log.samples,
             step_s: log.step_s,

@@ -431,11 +431,22 @@ fn a_line_removed_takes_the_ramp_and_leaves_the_white_noise() {
 fn the_minimum_is_that_of_the_curve_and_its_end_is_told() {
     let white = Angles::from_increments(&nbs_set(1000), 1.0, 1.0, Trend::None);
     let points = curve(&white, Deviation::Oadev, &[1, 4, 16, 64], 0.95);
-    let least = minimum(&points).unwrap();
+    let least = Minimum::from_points(&points).unwrap();
     assert!(least.point.m == 64 && least.at_end, "{least:?}");
-    let inner = minimum(&points[..2].iter().chain(&points[..1]).copied().collect::<Vec<_>>()).unwrap();
+    let inner = [&points[..2], &points[..1]].concat();
+    let inner = Minimum::from_points(&inner).unwrap();
     assert!(inner.point.m == 4 && !inner.at_end, "{inner:?}");
-    assert_eq!(minimum(&[]), None);
+    assert_eq!(Minimum::from_points(&[]), None);
+}
+
+#[test]
+fn the_minimum_of_a_record_is_that_up_to_an_eighth_of_it() {
+    let white = Angles::from_increments(&nbs_set(1000), 1.0, 1.0, Trend::None);
+    let points = curve(&white, Deviation::Oadev, &[1, 4, 16, 64, 125, 126, 400], 0.95);
+    let least = Minimum::from_record(&points, 1000).unwrap();
+    assert!(least.point.m <= 125, "{least:?}");
+    assert_eq!(Some(least), Minimum::from_points(&points[..5]));
+    assert!(Minimum::from_points(&points).unwrap().point.m > 125, "{points:?}");
 }
 
 #[test]
@@ -443,5 +454,5 @@ fn a_constant_rate_has_deviations_of_zero_and_no_interval() {
     let angles = Angles::from_increments(&[7.0; 100], 1.0, 1.0, Trend::None);
     let points = curve(&angles, Deviation::Oadev, &[1, 2], 0.95);
     assert!(points.iter().all(|point| point.value == Some(0.0) && point.interval.is_none()), "{points:?}");
-    assert_eq!(minimum(&points), None);
+    assert_eq!(Minimum::from_points(&points), None);
 }
