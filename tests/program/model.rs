@@ -173,6 +173,99 @@ fn the_answer_names_the_parts_of_the_model_and_how_near_it_comes() {
     }
 }
 
+/// White noise at 1 Hz with a Gauss–Markov state of 30 s.
+fn correlated(count: usize) -> Vec<f64> {
+    let numbers: Vec<f64> = noise(24 * count).collect();
+    let mut state = 0.0;
+    let rate = |chunk: &[f64]| {
+        state = (-1.0_f64 / 30.0).exp() * state + 0.05 * chunk[12..].iter().sum::<f64>();
+        chunk[..12].iter().sum::<f64>() + state
+    };
+    numbers.chunks(24).map(rate).collect()
+}
+
+/// A log at 1 Hz of these columns.
+fn log_of(columns: &[(&str, Vec<f64>)]) -> String {
+    let names: Vec<String> = columns.iter().map(|(name, _)| format!("{name} [deg/h]")).collect();
+    let row = |i: usize| columns.iter().map(|(_, rates)| rates[i].to_string()).collect::<Vec<_>>().join(",");
+    let rows: String = (0..columns[0].1.len()).map(|i| row(i) + "\n").collect();
+    format!("{}\n{rows}", names.join(","))
+}
+
+/// White noise that repeats no number of [`correlated`].
+fn white(count: usize) -> Vec<f64> {
+    noise(60 * count)
+        .skip(48 * count)
+        .collect::<Vec<_>>()
+        .chunks(12)
+        .map(|chunk| chunk.iter().sum())
+        .collect()
+}
+
+#[test]
+fn a_description_says_how_far_below_or_above_the_farthest_column_it_lies() {
+    let desk = desk_with("two.csv", log_of(&[("gx", white(4000)), ("gy", correlated(4000))]));
+    let words = "model two.csv --rate 1Hz --column all --out two";
+    let document: Value = serde_json::from_str(&desk.done(&format!("{words} --json")).stdout).unwrap();
+    let rows = desk.table("two/model.csv");
+    let farthest = document["model"]["columns"].as_array().unwrap().iter().map(|model| {
+        let name = model["column"].as_str().unwrap();
+        let own = rows.iter().filter(|row| row["column"] == name);
+        let off: Vec<f64> = own.map(|row| number(row, "model") / number(row, "record") - 1.0).collect();
+        let [least, most] = [f64::min, f64::max].map(|of| off.iter().copied().reduce(of).unwrap());
+        let [excess, shortfall] =
+            ["largest_excess", "largest_shortfall"].map(|key| model[key].as_f64().unwrap());
+        assert!(
+            (excess - most).abs() < 1e-6 && (shortfall + least).abs() < 1e-6,
+            "{least} to {most}: {model:#}"
+        );
+        // What its number of states reaches is the same number.
+        let tried = model["tried"].as_array().unwrap().last().unwrap();
+        assert_eq!(tried["largest_excess"].as_f64(), Some(excess), "{tried}");
+        (name, if excess > shortfall { excess } else { -shortfall })
+    });
+    let (name, off) = farthest.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap();
+    let headline = document["answer"]["headline"].as_str().unwrap();
+    let side = if off < 0.0 { "below" } else { "above" };
+    assert!(headline.contains(&format!(" {name}, up to ")) && headline.ends_with(side), "{headline}: {off}");
+    let value = document["answer"]["value"]["value"].as_f64().unwrap();
+    assert!((value - 100.0 * off).abs() < 1e-6, "{value}, not {off}");
+    let text = desk.done(words).stdout;
+    assert!(!text.contains("events removed"), "nothing was removed:\n{text}");
+}
+
+#[test]
+fn n_of_a_description_is_within_the_interval_of_the_coefficient() {
+    let desk = desk_with("gyro.csv", log_of(&[("gx", correlated(4000))]));
+    let found = json(&desk, "model gyro.csv --rate 1Hz")["white_deg_per_rt_h"].as_f64().unwrap();
+    desk.done("allan gyro.csv --rate 1Hz --bootstrap 200 --out fit");
+    let rows = desk.table("fit/coefficients.csv");
+    let n = crate::desk::row(&rows, &[("coefficient", "N")]);
+    assert!(number(n, "lower") <= found && found <= number(n, "upper"), "{found}: {n:?}");
+}
+
+#[test]
+fn the_model_of_a_noise_file_is_said_to_be_of_its_curve() {
+    let desk = desk_with("noise.toml", NOISE);
+    let text = desk.done("model noise.toml --from 1s --to 1000s").stdout;
+    assert!(text.contains(" the curve, up to ") && !text.contains("record"), "{text}");
+}
+
+#[test]
+fn columns_without_a_model_leave_the_others_theirs() {
+    let wave = white(4000).iter().enumerate().map(|(i, y)| y + 30.0 * (0.081 * i as f64).sin()).collect();
+    let desk = desk_with("two.csv", log_of(&[("gx", white(4000)), ("gy", wave)]));
+    let words = "model two.csv --rate 1Hz --remove-outliers --column";
+    let ended = desk.done(&format!("{words} gx,gy"));
+    for piece in [" gx, up to ", "no model", "gy: no model with up to 3 Markov states"] {
+        assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
+    }
+    let document: Value = serde_json::from_str(&desk.done(&format!("{words} gx,gy --json")).stdout).unwrap();
+    assert_eq!(document["model"]["columns"].as_array().unwrap().len(), 1);
+    assert_eq!(document["model"]["without_model"][0]["column"], "gy");
+    desk.fails(&format!("{words} gy"), 3, &["no model with up to 3 Markov states"]);
+}
+
 #[test]
 fn what_cannot_be_modelled_is_refused_with_what_to_do() {
     let desk = desk_with("noise.toml", NOISE);

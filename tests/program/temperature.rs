@@ -186,7 +186,7 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
         serde_json::from_str(&desk.done(&format!("{command} {words}")).stdout).unwrap()
     };
     let compared = document("compare");
-    assert!(compared["question"].as_str().unwrap().ends_with("temperature compensated; no trend removed"));
+    assert!(compared["question"].as_str().unwrap().ends_with("Temperature compensated; no trend removed"));
     assert!(fact_of(&compared, "test")["p"].as_f64().unwrap() > 0.5, "{compared:#}");
     for row in desk.table("out/compare.csv") {
         assert!(number(&row, "lower") < 1.0 && 1.0 < number(&row, "upper"), "{row:?}");

@@ -253,6 +253,11 @@ pub(crate) fn of_record(analysis: &Analysis, column: &Column, name: &str) -> Vec
     same.chain(record.rows(&column.events)).collect()
 }
 
+/// Whether events were removed from the record of any column.
+pub(crate) fn are_removed(analysis: &Analysis) -> bool {
+    rows(analysis).iter().any(|row| row.done == REMOVED)
+}
+
 /// Whether the fit leaves out events that the curves of a column have.
 pub(crate) fn are_left_out(analysis: &Analysis, column: &Column) -> bool {
     of_column(analysis, column).iter().any(|row| [LEFT_OUT, SUBTRACTED].contains(&row.done))

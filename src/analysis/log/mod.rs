@@ -267,9 +267,13 @@ impl Treatment {
         Treatment { skip_s: log.start_s, is_compensated: log.is_compensated, ..*self }
     }
 
-    /// The treatment that two logs have in common; one may lack a dependence on temperature, which its notes say.
+    /// The treatment that two logs have in common; one may lack events, or a dependence on temperature, which its notes say.
     pub(crate) fn common(self, other: Treatment) -> Treatment {
-        Treatment { is_compensated: self.is_compensated || other.is_compensated, ..self }
+        Treatment {
+            is_compensated: self.is_compensated || other.is_compensated,
+            events_removed: self.events_removed || other.events_removed,
+            ..self
+        }
     }
 
     /// The log as it is analysed: where they are to be removed, outliers are missing, and rates or increments are without events.
@@ -391,12 +395,19 @@ impl Analysis {
         note_equal(&mut columns, &mut vec![], |column| column.name.clone());
         let keeps_events = request.keeps_events();
         let confidence = request.confidence;
-        Ok(Analysis {
+        let analysis = Analysis {
             confidence,
             keeps_events,
             columns,
             ..Analysis::new(log, path, treatment, thermometers)
-        })
+        };
+        Ok(analysis.with_actual_treatment())
+    }
+
+    /// The analysis whose treatment says that events were removed only if there were any.
+    fn with_actual_treatment(mut self) -> Analysis {
+        self.treatment.events_removed &= events::are_removed(&self);
+        self
     }
 
     /// A log without an analysis of its columns.
@@ -429,7 +440,8 @@ impl Analysis {
         let events = treatment.events(&recorded, &outliers, &temperatures).owned();
         let column = Column::new(channel, &samples, outliers, &events.without);
         let columns = vec![Column { events: events.list.clone(), ..column }];
-        (Analysis { columns, ..Analysis::new(log, path, treatment, thermometers) }, events)
+        let analysis = Analysis { columns, ..Analysis::new(log, path, treatment, thermometers) };
+        (analysis.with_actual_treatment(), events)
     }
 
     /// Time from the first sample to the end of the last, s.

@@ -155,8 +155,10 @@ pub struct Analysis {
     pub source: Source,
     /// The request.
     pub request: ModelRequest,
-    /// The model of each column.
+    /// The model of each column that has one.
     pub columns: Vec<Column>,
+    /// The names of the other columns, with why they have none.
+    pub without: Vec<(String, ModelError)>,
 }
 
 /// The model of a column.
@@ -169,18 +171,28 @@ pub struct Column {
 }
 
 impl Analysis {
-    /// Finds the model of each target.
+    /// Finds the model of each target that has one.
     ///
     /// # Errors
-    /// A target has no curve between the two times, or no model fits.
+    /// The request is wrong; or no target has a curve between the two times and a model, of which the first says why.
     pub fn of(source: Source, targets: Vec<Target>, request: &ModelRequest) -> Result<Analysis, ModelError> {
-        let column = |target: Target| {
-            let target = target.between(request)?;
-            let found = find(&target, request)?;
-            Ok(Column { target, found })
-        };
-        let columns = targets.into_iter().map(column).collect::<Result<_, ModelError>>()?;
-        Ok(Analysis { source, request: request.clone(), columns })
+        let (mut columns, mut without) = (vec![], vec![]);
+        for target in targets {
+            let name = target.name.clone();
+            let found = target.between(request).and_then(|target| {
+                let found = find(&target, request)?;
+                Ok(Column { target, found })
+            });
+            match found {
+                Ok(column) => columns.push(column),
+                Err(error) if error.is_usage() => return Err(error),
+                Err(error) => without.push((name, error)),
+            }
+        }
+        match without.first() {
+            Some((_, error)) if columns.is_empty() => Err(error.clone()),
+            _ => Ok(Analysis { source, request: request.clone(), columns, without }),
+        }
     }
 
     /// What the columns show besides noise.

@@ -1,14 +1,14 @@
 //! The report of a noise model: answer and charts.
 
 use crate::analysis::log::figures::of_columns;
-use crate::analysis::model::search::Tried;
 use crate::analysis::model::state_space::si;
 use crate::analysis::model::tables::lines;
-use crate::analysis::model::target::{MAX_TAU_PART, NEAR};
+use crate::analysis::model::target::{MAX_TAU_PART, NEAR, Target, White};
 use crate::analysis::model::{Aim, Analysis, Column, tables};
 use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::{Deviation, Unit};
+use sagnac_records::fit::{Quantity, Term};
 use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
 use sagnac_report::chart::figure::{Axis, Figure, Law, LawLine, Part, Parts, Series, SeriesPoint};
 
@@ -18,23 +18,23 @@ impl Analysis {
         format!("{} %", significant(100.0 * self.request.confidence, 3))
     }
 
-    /// The column whose bound lies farthest above.
-    pub(crate) fn worst(&self) -> Option<&Column> {
-        let excess = |column: &&Column| column.found.over_bound(&column.target)[0];
-        self.columns.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))
+    /// The column whose model lies farthest from what it describes, or farthest above what it bounds.
+    fn worst(&self) -> Option<&Column> {
+        let miss = |column: &&Column| self.miss(column).value.abs();
+        self.columns.iter().max_by(|a, b| miss(a).total_cmp(&miss(b)))
     }
 
     /// The answer.
     pub fn answer(&self) -> Answer {
         let Some(worst) = self.worst() else { return Answer::default() };
-        let (excess, _) = self.excess(worst);
+        let miss = self.miss(worst);
         Answer {
             kind: Kind::Estimate,
-            headline: self.headline(worst, &excess),
-            value: Some(excess),
-            table: match &self.columns[..] {
-                [only] => parameters(only),
-                columns => self.models(columns),
+            headline: self.headline(worst, &miss),
+            value: Some(miss),
+            table: match (&self.columns[..], &self.without[..]) {
+                ([only], []) => parameters(only),
+                (columns, _) => self.models(columns),
             },
             facts: self.facts(worst),
             ..Answer::default()
@@ -47,12 +47,27 @@ impl Analysis {
             Aim::Describe => column.found.over_record(&column.target),
             Aim::Bound | Aim::BoundRepeat => column.found.over_bound(&column.target),
         };
-        // A curve of a model that its own terms describe differs by rounding alone.
-        let excess = if excess.abs() < 1e-9 { 0.0 } else { excess };
-        (Reading::in_unit("excess", 100.0 * excess, "%", None), tau_s)
+        (percents("excess", excess), tau_s)
     }
 
-    fn headline(&self, column: &Column, excess: &Reading) -> String {
+    /// How far the model lies below the record that it describes, at most, and at which τ, s.
+    fn shortfall(&self, column: &Column) -> (Reading, f64) {
+        let [shortfall, tau_s] = column.found.below_record(&column.target);
+        (percents("shortfall", shortfall), tau_s)
+    }
+
+    /// The farthest that a description lies from the record, negative below it, or that a bound lies above what it bounds.
+    fn miss(&self, column: &Column) -> Reading {
+        let (excess, _) = self.excess(column);
+        let (shortfall, _) = self.shortfall(column);
+        if self.request.aim != Aim::Describe {
+            return excess;
+        }
+        let miss = if shortfall.value > excess.value { -shortfall.value } else { excess.value };
+        Reading::in_unit("deviation", miss, "%", None)
+    }
+
+    fn headline(&self, column: &Column, miss: &Reading) -> String {
         let model = &column.found.model;
         let symbols = [("Q", model.quantization), ("N", model.white), ("K", model.walk)];
         let symbols: Vec<&str> =
@@ -68,12 +83,23 @@ impl Analysis {
             (_, true) => "bound",
             (_, false) => "bounds",
         };
-        let whose = if self.columns.len() > 1 { &column.target.name } else { "the record" };
-        format!("{parts} {verb} {whose} to {}", excess.text())
+        let whose = match self.columns.len() + self.without.len() {
+            1 => format!("the {}", self.source.noun),
+            _ => column.target.name.clone(),
+        };
+        let size = Reading { value: miss.value.abs(), ..miss.clone() }.text();
+        let how = match (self.request.aim, miss.value) {
+            (Aim::Describe, 0.0) => " exactly".to_owned(),
+            (Aim::Describe, ..0.0) => format!(", up to {size} below"),
+            (Aim::Describe, _) => format!(", up to {size} above"),
+            (_, _) => format!(" to {size}"),
+        };
+        format!("{parts} {verb} {whose}{how}")
     }
 
     /// A row for each of several columns.
     fn models(&self, columns: &[Column]) -> AnswerTable {
+        let is_described = self.request.aim == Aim::Describe;
         let row = |column: &Column| -> Vec<AnswerCell> {
             let values = shown(column);
             let value = |name: &str| {
@@ -94,20 +120,25 @@ impl Analysis {
                     )
                 })
                 .collect();
-            let cells = [
-                value("white noise"),
-                value("random walk"),
-                states.join("; ").into(),
-                self.excess(column).0.into(),
-            ];
-            std::iter::once(column.target.name.clone().into()).chain(cells).collect()
+            let cells = [value("white noise"), value("random walk"), states.join("; ").into()];
+            let below = is_described.then(|| self.shortfall(column).0.into());
+            let last = below.into_iter().chain([self.excess(column).0.into()]);
+            std::iter::once(column.target.name.clone().into()).chain(cells).chain(last).collect()
         };
-        let over = if self.request.aim == Aim::Describe { "above record" } else { "above bound" };
-        let heads = ["column", "white noise N", "random walk K", "Gauss–Markov σ, T", over];
+        let mut heads =
+            ["column", "white noise N", "random walk K", "Gauss–Markov σ, T"].map(str::to_owned).to_vec();
+        match is_described {
+            true => heads.extend(["below", "above"].map(|side| format!("{side} {}", self.source.noun))),
+            false => heads.push("above bound".to_owned()),
+        }
+        let without = self.without.iter().map(|(name, _)| {
+            let blank = (2..heads.len()).map(|_| "—".into());
+            [name.clone().into(), "no model".into()].into_iter().chain(blank).collect::<Vec<AnswerCell>>()
+        });
         let worst = self.worst().and_then(|worst| columns.iter().position(|one| std::ptr::eq(one, worst)));
         AnswerTable {
             best: worst.filter(|place| *place < MAX_ROWS),
-            ..AnswerTable::new(heads, columns.iter().map(row))
+            ..AnswerTable::new(heads.iter().map(String::as_str), columns.iter().map(row).chain(without))
         }
     }
 
@@ -116,7 +147,7 @@ impl Analysis {
         let at = |tau_s: f64| format!("at τ = {} s", significant(tau_s, 3));
         let [from_s, to_s] = column.target.taus().map(|tau_s| significant(tau_s, 3));
         let what = match (self.request.aim, column.target.has_band) {
-            (Aim::Describe, _) => "above the record".to_owned(),
+            (Aim::Describe, _) => format!("above the {}", self.source.noun),
             (Aim::BoundRepeat, _) => format!("above the {} band of further records", self.percent()),
             (Aim::Bound, true) => format!("above the {} band", self.percent()),
             (Aim::Bound, false) => "above the curve".to_owned(),
@@ -124,6 +155,11 @@ impl Analysis {
         let value = |name: &str, value: Reading, at: String| Fact::Value { name: name.to_owned(), value, at };
         let mut facts =
             vec![value("Excess", excess, format!("at most {what}, {}; τ {from_s}–{to_s} s", at(tau_s)))];
+        let (shortfall, tau_s) = self.shortfall(column);
+        if self.request.aim == Aim::Describe && shortfall.value > 0.0 {
+            let what = format!("at most below it, {}: a filter is overconfident", at(tau_s));
+            facts.push(value("Shortfall", shortfall, what));
+        }
         let last = column.target.points.last();
         if let Some((last, edf)) = last.and_then(|last| Some((last, last.edf?))) {
             let width = Reading::in_unit("width", last.upper / last.value, "", None);
@@ -134,24 +170,54 @@ impl Analysis {
                 format!("× the curve {}, {freedom} degrees of freedom", at(last.tau_s)),
             ));
         }
-        let reached = |tried: &Tried| Some((tried.states, tried.excess?));
-        let tried: Vec<(usize, f64)> = column.found.tried.iter().filter_map(reached).collect();
-        // One state less, which lies farther above.
-        if let [.., (states, excess), (_, reached)] = tried[..]
-            && self.request.states.is_none()
-            && excess > reached
+        let tried = &column.found.tried;
+        // Fewer states, which lie farther above.
+        let states = column.found.model.markov.len();
+        let mut fewer = tried.iter().rev().filter(|tried| tried.states < states);
+        if let Some((states, excess)) =
+            fewer.find_map(|tried| Some((tried.states, tried.largest_excess_over_bound?)))
         {
-            let reading = Reading::in_unit("excess", 100.0 * excess, "%", None);
+            let reading = percents("excess", excess);
             let name = format!("With {states} state{}", if states == 1 { "" } else { "s" });
             facts.push(value(&name, reading, "above".to_owned()));
         }
-        let missed = tried.last().is_some_and(|(_, excess)| *excess > self.request.margin);
-        if missed && self.request.states.is_none() && self.request.aim != Aim::Describe {
+        let nearest =
+            tried.iter().filter_map(|tried| tried.excess_without_quantization).min_by(f64::total_cmp);
+        if nearest.is_some_and(|nearest| nearest > self.request.margin) && self.request.states.is_none() {
             let margin = significant(100.0 * self.request.margin, 3);
-            facts.push(Fact::Caveat { text: format!("no number of states comes within {margin} %") });
+            facts.push(Fact::caveat(format!("no number of states comes within {margin} %")));
         }
+        facts.extend(self.columns.iter().filter_map(|column| self.other_white(column)).map(Fact::caveat));
+        facts.extend(self.without.iter().map(|(name, why)| {
+            let why = why.to_string();
+            let why = why.lines().next().unwrap_or_default();
+            Fact::caveat(why.strip_prefix("column ").map_or_else(|| format!("{name}: {why}"), str::to_owned))
+        }));
         facts
     }
+
+    /// Why N of a description is outside the interval of that of the record, if it is.
+    fn other_white(&self, column: &Column) -> Option<String> {
+        let Target { name, unit, white, .. } = &column.target;
+        let White { interval, from_s, .. } = white.filter(|_| self.request.aim == Aim::Describe)?;
+        let own = column.found.model.white;
+        if interval[0] <= own && own <= interval[1] {
+            return None;
+        }
+        let (factor, _, symbol) = Quantity::Coefficient(Term::AngleRandomWalk).unit(*unit);
+        let [lower, upper] = interval.map(|end| significant(factor * end, 3));
+        let is_later = from_s > 1.01 * column.target.taus()[0];
+        let why = match is_later {
+            true => format!("is that of τ from {} s on", significant(from_s, 3)),
+            false => "is in no model within the band".to_owned(),
+        };
+        Some(format!("{name}: N of the fit, {lower}–{upper} {symbol}, {why}"))
+    }
+}
+
+/// A part as a value in percent. A curve of a model that its own terms describe differs by rounding alone.
+fn percents(quantity: &str, part: f64) -> Reading {
+    Reading::in_unit(quantity, if part.abs() < 1e-9 { 0.0 } else { 100.0 * part }, "%", None)
 }
 
 /// The values of a model in the first of the units that people use.
@@ -198,8 +264,8 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     let has_band = analysis.columns.iter().any(|column| column.target.has_band);
     let bounded = match analysis.request.aim {
         Aim::Describe => None,
-        Aim::Bound => Some("the record, with its band"),
-        Aim::BoundRepeat => Some("the noise of further records"),
+        Aim::Bound => Some(format!("the {}, with its band", analysis.source.noun)),
+        Aim::BoundRepeat => Some("the noise of further records".to_owned()),
     };
     let bound = bounded
         .filter(|_| has_band)
@@ -270,7 +336,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
         x: Axis::new("averaging time τ", "s"),
         y: Axis::new("Allan deviation σ(τ)", unit.symbol(Deviation::Oadev)),
         colours: of_columns(all.iter().map(|column| column.target.name.clone())),
-        points: if is_bound && !has_band { "curve".to_owned() } else { "record".to_owned() },
+        points: if is_bound && !has_band { "curve" } else { analysis.source.noun }.to_owned(),
         bands: format!("{} intervals", analysis.percent()),
         lines: "model".to_owned(),
         series: all.iter().enumerate().map(|(colour, column)| series(colour, column)).collect(),

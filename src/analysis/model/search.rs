@@ -1,6 +1,6 @@
 //! The search for a model, by least squares with constraints.
 
-use crate::analysis::model::target::{Target, repeated};
+use crate::analysis::model::target::{Target, White, repeated};
 use crate::analysis::model::{Aim, Markov, Model, ModelError, ModelRequest};
 use rayon::prelude::*;
 use sagnac_base::quantity::number::significant;
@@ -19,6 +19,10 @@ const MAX_ROWS: usize = 48;
 /// Part of the excess to which a state has to lower it to be worth its place.
 const WORTH: f64 = 0.9;
 
+/// Part of the interval of N in which that of a description stays: the ends from simulated records, which `sagnac allan` gives, differ
+/// a little from those in closed form.
+const INSIDE: f64 = 0.9;
+
 /// Factor for dips of a bound between two points of the curve.
 const BETWEEN: f64 = 1.0001;
 /// Least scale of a row, as a part of the variance of the curve.
@@ -35,39 +39,51 @@ pub struct Found {
     pub bounds: Vec<f64>,
 }
 
-/// The best model with a number of states.
+/// The best model with a number of states. All numbers are absent where no model is possible.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Tried {
     /// Number of Markov states.
     pub states: usize,
-    /// How far its deviation lies at most above what it bounds, both without the quantization, as a part; absent where no model is
-    /// possible.
-    #[serde(rename = "largest_excess")]
-    pub excess: Option<f64>,
+    /// How far it lies at most above the record, as a part: of the model that was found, its `largest_excess`.
+    pub largest_excess: Option<f64>,
+    /// How far a bound lies at most above what it bounds, as a part: of the model that was found, its `largest_excess_over_bound`.
+    pub largest_excess_over_bound: Option<f64>,
+    /// How far it lies at most above what it bounds, both without the quantization, as a part: states are added until this is within
+    /// the margin.
+    pub excess_without_quantization: Option<f64>,
 }
 
 impl Found {
-    /// How far the deviation of the model lies above each of some others, as parts.
-    pub fn excesses(&self, target: &Target, of: impl Fn(usize) -> f64) -> Vec<f64> {
-        let points = target.points.iter().enumerate();
-        points.map(|(i, point)| self.model.deviation(point.tau_s) / of(i) - 1.0).collect()
-    }
-
     /// The largest excess over the curve of the record, with its τ.
     pub fn over_record(&self, target: &Target) -> [f64; 2] {
-        largest(target, &self.excesses(target, |i| target.points[i].value))
+        over(&self.model, target, |i| target.points[i].value)
+    }
+
+    /// The largest shortfall below the curve of the record, with its τ; negative where the model is nowhere below.
+    pub fn below_record(&self, target: &Target) -> [f64; 2] {
+        let [least, tau_s] = lowest(&self.model, target, |i| target.points[i].value);
+        [-least, tau_s]
     }
 
     /// The largest excess over what is bounded, with its τ.
     pub fn over_bound(&self, target: &Target) -> [f64; 2] {
-        largest(target, &self.excesses(target, |i| self.bounds[i]))
+        over(&self.model, target, |i| self.bounds[i])
     }
 }
 
-fn largest(target: &Target, excesses: &[f64]) -> [f64; 2] {
-    let all = excesses.iter().zip(&target.points).map(|(excess, point)| [*excess, point.tau_s]);
-    all.max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or([0.0; 2])
+/// How far the deviation of a model lies above another one at each point, as a part, with its τ.
+fn excesses(model: &Model, target: &Target, of: impl Fn(usize) -> f64) -> impl Iterator<Item = [f64; 2]> {
+    let points = target.points.iter().enumerate();
+    points.map(move |(i, point)| [model.deviation(point.tau_s) / of(i) - 1.0, point.tau_s])
+}
+
+fn over(model: &Model, target: &Target, of: impl Fn(usize) -> f64) -> [f64; 2] {
+    excesses(model, target, of).max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or([0.0; 2])
+}
+
+fn lowest(model: &Model, target: &Target, of: impl Fn(usize) -> f64) -> [f64; 2] {
+    excesses(model, target, of).min_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or([0.0; 2])
 }
 
 /// The columns that a model may have.
@@ -87,9 +103,11 @@ pub(crate) struct Problem {
     pub(crate) goal: Vec<f64>,
     pub(crate) least: Vec<f64>,
     pub(crate) most: Vec<f64>,
+    /// N² of the white noise, with the ends between which it has to stay; absent where it is free.
+    pub(crate) white: Option<[f64; 3]>,
 }
 
-/// The model of a target.
+/// The model of a target: one whose N is within the interval of that of the record, if such a description is possible.
 ///
 /// # Errors
 /// No model lies within the band, or there is no record whose repetition could be bounded.
@@ -98,16 +116,45 @@ pub(crate) fn find(target: &Target, request: &ModelRequest) -> Result<Found, Mod
         Aim::BoundRepeat => repeated(target, request.confidence)?,
         Aim::Describe | Aim::Bound => target.points.iter().map(|point| point.upper).collect(),
     };
-    let problem = problem(target, &bounds, request.aim);
+    let free = problem(target, &bounds, request.aim);
     let times = times(target.taus(), target.step_s);
+    let white = target.white.filter(|_| request.aim == Aim::Describe);
+    let held = white.map(|White { value, interval: ends, .. }| {
+        let [least, most] = ends.map(|end| value + INSIDE * (end - value));
+        Problem { white: Some([value, least, most].map(|n| n * n)), ..free.clone() }
+    });
+    let found = held.and_then(|held| search(&held, target, &bounds, &times, request));
+    let found = found.or_else(|| search(&free, target, &bounds, &times, request));
+    found.ok_or_else(|| outside(target, &bounds, &times, request.states.unwrap_or(MAX_STATES)))
+}
+
+/// The model of the fewest states that solves a problem well enough, or else the nearest; `None` where none is possible.
+fn search(
+    problem: &Problem,
+    target: &Target,
+    bounds: &[f64],
+    times: &[f64],
+    request: &ModelRequest,
+) -> Option<Found> {
+    let is_bound = request.aim != Aim::Describe;
+    // A bound may rise, and white noise of the record is no Markov noise.
+    let least_white = target.white.filter(|_| is_bound).map_or(0.0, |white| white.value);
+    let quantization = quantization(target, request.aim);
     let mut tried: Vec<Tried> = Vec::new();
     let mut best: Option<(f64, Model)> = None;
     for states in request.states.map_or(0..=MAX_STATES, |states| states..=states) {
-        let found = problem.best(Allowed { walk: true, states, times: &times });
+        let found = problem.best(Allowed { walk: true, states, times });
         let excess = found.as_ref().map(|model| problem.excess(model));
-        tried.push(Tried { states, excess });
-        let Some((excess, model)) = excess.zip(found) else { continue };
-        let is_enough = request.aim == Aim::Describe || excess <= request.margin;
+        let model = found.map(|model| Model { quantization, white: model.white.max(least_white), ..model });
+        let bounded = model.as_ref().filter(|_| is_bound);
+        tried.push(Tried {
+            states,
+            largest_excess: model.as_ref().map(|model| over(model, target, |i| target.points[i].value)[0]),
+            largest_excess_over_bound: bounded.map(|model| over(model, target, |i| bounds[i])[0]),
+            excess_without_quantization: excess.filter(|_| is_bound),
+        });
+        let Some((excess, model)) = excess.zip(model) else { continue };
+        let is_enough = !is_bound || excess <= request.margin;
         if best.as_ref().is_none_or(|(before, _)| excess < WORTH * *before) {
             best = Some((excess, model));
         }
@@ -115,16 +162,7 @@ pub(crate) fn find(target: &Target, request: &ModelRequest) -> Result<Found, Mod
             break;
         }
     }
-    match best {
-        Some((_, model)) => {
-            // A bound may rise, and white noise of the record is no Markov noise.
-            let white =
-                if request.aim == Aim::Describe { model.white } else { model.white.max(target.white) };
-            let model = Model { quantization: quantization(target, request.aim), white, ..model };
-            Ok(Found { model, tried, bounds })
-        }
-        None => Err(outside(target, &bounds, &times, request.states.unwrap_or(MAX_STATES))),
-    }
+    best.map(|(_, model)| Found { model, tried, bounds: bounds.to_vec() })
 }
 
 /// The problem that a target poses: its variances less that of the quantization. A record shows what is left only to the width of its
@@ -156,6 +194,7 @@ fn problem(target: &Target, bounds: &[f64], aim: Aim) -> Problem {
         goal,
         least,
         most,
+        white: None,
     }
 }
 
@@ -187,11 +226,19 @@ impl Problem {
             rows.iter().map(at).collect()
         };
         let relative = |of: &[f64]| rows.iter().map(|&i| of[i] / self.scale[i]).collect::<Vec<f64>>();
-        let [goal, lower, upper] = [&self.goal, &self.least, &self.most].map(|of| relative(of));
+        let [mut goal, mut lower, mut upper] = [&self.goal, &self.least, &self.most].map(|of| relative(of));
         let shared = [Part::angle_random_walk(1.0), Part::rate_random_walk(1.0)];
-        let shared: Vec<Vec<f64>> =
+        let mut shared: Vec<Vec<f64>> =
             shared.into_iter().take(1 + usize::from(allowed.walk)).map(column).collect();
-        let of_times: Vec<Vec<f64>> = allowed.times.iter().map(|&time_s| column(unit(time_s))).collect();
+        let mut of_times: Vec<Vec<f64>> = allowed.times.iter().map(|&time_s| column(unit(time_s))).collect();
+        // A row for N, which the other columns do not have.
+        if let Some([white, least, most]) = self.white {
+            goal.push(1.0);
+            lower.push(least / white);
+            upper.push(most / white);
+            shared.iter_mut().chain(&mut of_times).for_each(|column| column.push(0.0));
+            shared[0][goal.len() - 1] = 1.0 / white;
+        }
         let solve = |choice: &Vec<usize>| {
             let columns: Vec<Vec<f64>> =
                 shared.iter().chain(choice.iter().map(|&place| &of_times[place])).cloned().collect();

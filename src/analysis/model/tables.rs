@@ -6,7 +6,7 @@ use crate::analysis::log::report::{key, text};
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::state_space::{Discrete, discrete, si};
 use crate::analysis::model::target::Point;
-use crate::analysis::model::{Aim, Analysis, Column, Markov};
+use crate::analysis::model::{Aim, Analysis, Column, Markov, ModelError};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{self, Deviation, Unit as Curves};
@@ -159,8 +159,22 @@ pub struct Models {
     pub margin: f64,
     /// Rate of the filter, Hz.
     pub filter_hz: Option<f64>,
-    /// The model of each column.
+    /// The model of each column that has one.
     pub columns: Vec<ColumnModel>,
+    /// The columns without a model.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(test, schemars(default))]
+    pub without_model: Vec<NoModel>,
+}
+
+/// A column without a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct NoModel {
+    /// Name of the column.
+    pub column: String,
+    /// Why no model was found.
+    pub why: String,
 }
 
 /// The model of a column.
@@ -185,6 +199,10 @@ pub struct ColumnModel {
     pub largest_excess: f64,
     /// Averaging time of that excess, s.
     pub largest_excess_tau_s: f64,
+    /// How far the model lies at most below the record, as a part; negative where it is above at every averaging time.
+    pub largest_shortfall: f64,
+    /// Averaging time of that shortfall, s.
+    pub largest_shortfall_tau_s: f64,
     /// How far a bound lies at most above what it bounds, as a part.
     pub largest_excess_over_bound: Option<f64>,
     /// What each number of states reaches.
@@ -198,6 +216,7 @@ impl ColumnModel {
         let Column { target, found } = column;
         let [from_s, to_s] = target.taus();
         let [largest_excess, largest_excess_tau_s] = found.over_record(target);
+        let [largest_shortfall, largest_shortfall_tau_s] = found.below_record(target);
         let sigma = if target.unit == allan::Unit::Acceleration { "sigma_ug" } else { "sigma_deg_per_h" };
         let state = |state: &Markov| [(sigma, state.sigma), ("correlation_time_s", state.time_s)].into();
         let named = figures(column).into_iter().filter(|figure| !figure.key.is_empty());
@@ -212,6 +231,8 @@ impl ColumnModel {
             markov: found.model.markov.iter().map(state).collect(),
             largest_excess,
             largest_excess_tau_s,
+            largest_shortfall,
+            largest_shortfall_tau_s,
             largest_excess_over_bound: is_bound.then(|| found.over_bound(target)[0]),
             tried: found.tried.clone(),
             discrete: analysis.filter_hz().map(at_rate),
@@ -223,12 +244,15 @@ impl Models {
     /// The models of an analysis.
     pub fn new(analysis: &Analysis) -> Models {
         let request = &analysis.request;
+        let without =
+            |(column, why): &(String, ModelError)| NoModel { column: column.clone(), why: why.to_string() };
         Models {
             aim: request.aim.name(),
             confidence: request.confidence,
             margin: request.margin,
             filter_hz: analysis.filter_hz(),
             columns: analysis.columns.iter().map(|column| ColumnModel::new(analysis, column)).collect(),
+            without_model: analysis.without.iter().map(without).collect(),
         }
     }
 }

@@ -27,6 +27,8 @@ pub struct Source {
     pub path: PathBuf,
     /// What it is, in a line.
     pub heading: String,
+    /// The word for what is modelled: `record`, or `curve` where there is none.
+    pub noun: &'static str,
     /// Sampling rate of the record, Hz; absent for a noise.toml.
     pub rate_hz: Option<f64>,
     /// Remarks on what was read.
@@ -39,6 +41,7 @@ impl Source {
         Source {
             path: analysis.path.clone(),
             heading: format!("{}; {}", heading(analysis), analysis.treatment.summary()),
+            noun: "record",
             rate_hz: Some(1.0 / analysis.step_s),
             notes: report::notes(analysis),
         }
@@ -46,7 +49,13 @@ impl Source {
 
     /// A curve that was read from a file.
     pub(crate) fn of_curve(curve: &given_curve::Analysis) -> Source {
-        Source { path: curve.path.clone(), heading: curve.heading(), rate_hz: None, notes: curve.notes() }
+        Source {
+            path: curve.path.clone(),
+            heading: curve.heading(),
+            noun: "curve",
+            rate_hz: None,
+            notes: curve.notes(),
+        }
     }
 }
 
@@ -65,6 +74,17 @@ pub struct Point {
     pub edf: Option<f64>,
 }
 
+/// N of a record, in the unit of its curve times √s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct White {
+    /// The value.
+    pub value: f64,
+    /// The ends of its interval.
+    pub interval: [f64; 2],
+    /// Shortest τ of the fit, s.
+    pub from_s: f64,
+}
+
 /// The curve of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
@@ -76,8 +96,8 @@ pub struct Target {
     pub points: Vec<Point>,
     /// Quantization that the curve shows, with the upper end of its interval, ″; absent where it shows none.
     pub quantization: Option<[f64; 2]>,
-    /// N that the record has, in the unit of the curve times √s; 0 where it shows none.
-    pub white: f64,
+    /// N that the record has; absent where it shows none.
+    pub white: Option<White>,
     /// Time from sample to sample of the record, s; absent without one.
     pub step_s: Option<f64>,
     /// Length of the record, s; absent without one.
@@ -202,9 +222,11 @@ fn quantization(fit: Option<&Fit>) -> Option<[f64; 2]> {
     Some([found.value?, found.interval?[1]])
 }
 
-/// N of a fit; 0 where it shows none.
-fn white(fit: Option<&Fit>) -> f64 {
-    fit.and_then(|fit| fit.coefficient(Term::AngleRandomWalk)?.value).unwrap_or(0.0)
+/// N of a fit.
+fn white(fit: Option<&Fit>) -> Option<White> {
+    let found = fit?.coefficient(Term::AngleRandomWalk)?;
+    let value = found.value.filter(|value| *value > 0.0)?;
+    Some(White { value, interval: found.interval?, from_s: fit?.tau_range[0] })
 }
 
 /// The upper ends of the bands of another record, which it exceeds at any τ with a probability of at most 1 − `confidence`.
@@ -320,7 +342,7 @@ fn of_noise(
         unit: Unit::Angular,
         points: points.collect(),
         quantization: (quantization[0] > 0.0).then(|| quantization.map(libm::sqrt)),
-        white: 0.0,
+        white: None,
         step_s: None,
         length_s: None,
         has_band,
@@ -332,7 +354,7 @@ fn of_noise(
         if has_band { " and their intervals" } else { "" }
     );
     let notes = notes(noise, left_out, &unknown, residual);
-    Ok((Source { path: path.to_owned(), heading, rate_hz: None, notes }, target))
+    Ok((Source { path: path.to_owned(), heading, noun: "curve", rate_hz: None, notes }, target))
 }
 
 fn point(known: &[Known], tau_s: f64) -> Point {

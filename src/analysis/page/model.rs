@@ -33,7 +33,7 @@ pub fn of_model(analysis: &Analysis, texts: &[(&'static str, String)]) -> Page {
         notes: notes(analysis),
         sections: vec![
             shown("What this record shows", &analysis.events()),
-            Section::new("curve", "Record and model", curves),
+            Section::new("curve", "Curve and model", curves),
             Section::new("coefficients", "Coefficients", coefficients),
             Section::new("discrete", "At the rate of the filter", at_rate),
             Section::new("files", "Files for tools", files),

@@ -11,7 +11,7 @@ mod yaml;
 
 use crate::analysis::log::report::one_line;
 use crate::analysis::model::search::{Allowed, MAX_STATES, PER_DECADE, Problem, times};
-use crate::analysis::model::{Aim, Analysis, Column, Model};
+use crate::analysis::model::{Aim, Analysis, Column, Model, ModelError};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
 
@@ -123,6 +123,10 @@ impl Writer {
             axes
         };
         let (gyros, accelerometers) = (sensors(Unit::Angular), sensors(Unit::Acceleration));
+        let without = |(name, _): &(String, ModelError)| {
+            format!("{}: no model was found; the file says nothing of it.", one_line(name))
+        };
+        heading.extend(analysis.without.iter().map(without));
         (self.text)(&Sheet { analysis, gyros, accelerometers, heading })
     }
 }
@@ -193,7 +197,7 @@ fn reduced(column: &Column, takes: Takes, time_s: Option<f64>) -> Model {
     least.push(at_1_s * (1.0 - AT_1_S) * (1.0 - AT_1_S));
     most.push(at_1_s * (1.0 + AT_1_S) * (1.0 + AT_1_S));
     let scale: Vec<f64> = taus.iter().map(|&tau_s| of_rate.variance(tau_s)).collect();
-    let free = Problem { taus, goal: scale.clone(), scale, least, most };
+    let free = Problem { taus, goal: scale.clone(), scale, least, most, white: None };
     let times = time_s.map_or_else(|| times([from_s, 10.0 * to_s], None), |time_s| vec![time_s]);
     let allowed = Allowed { walk: takes.walk, states: takes.states, times: &times };
     let open = || Problem { most: vec![f64::INFINITY; free.taus.len()], ..free.clone() };
@@ -263,7 +267,9 @@ fn bounded(column: &Column, analysis: &Analysis) -> String {
     let [from_s, to_s] = column.target.taus().map(|tau_s| significant(tau_s, 4));
     let range = format!("from τ = {from_s} s to {to_s} s");
     match (analysis.request.aim, column.target.has_band) {
-        (Aim::Describe, _) => format!("The Allan deviation lies within the band of the record {range}."),
+        (Aim::Describe, _) => {
+            format!("The Allan deviation lies within the band of the {} {range}.", analysis.source.noun)
+        }
         (Aim::Bound, true) => format!(
             "The Allan deviation is nowhere below the upper end of the {} band {range}.",
             analysis.percent()
