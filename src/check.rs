@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::view::file_names;
 use sagnac_base::diagnostics::StudyError;
@@ -159,28 +159,58 @@ pub fn check(request: &CheckRequest, progress: &dyn Progress) -> Result<CheckOut
             }
         }
     }
-    let unfinished = changed.iter().flatten().filter(|(_, found)| **found == Difference::Unfinished);
-    found.unfinished = unfinished.map(|(name, _)| name.clone()).take(MAX_LISTED).collect();
-    // Tables are compared with the tallies.
-    for (name, difference) in changed.iter().flatten().filter(|(name, _)| !compared.contains(&name.as_str()))
-    {
-        let path = folder.join(name);
-        match difference {
-            Difference::Changed => {
-                found.faults.push(format!("{} was changed since it was written", path.display()))
-            }
-            Difference::Unfinished => {}
-            Difference::Unreadable => {
-                found.faults.push(format!("cannot read {}, which is listed", path.display()))
-            }
-            // Without a study, this was said above.
-            Difference::Missing if name == RESOLVED => {}
-            Difference::Missing => {
-                found.faults.push(format!("{} was removed since it was written", path.display()))
-            }
-        }
-    }
+    let changed = changed.unwrap_or_default();
+    found.unfinished = unfinished(&changed);
+    // Tables are compared with the tallies, and that the study is missing was said above.
+    let is_left =
+        |name: &str| !compared.contains(&name) && (name != RESOLVED || changed[name] != Difference::Missing);
+    let left = changed.iter().filter(|(name, _)| is_left(name));
+    found.faults.extend(left.filter_map(|(name, difference)| fault(folder, name, *difference)));
     Ok(found)
+}
+
+/// The files of a folder to which commands other than `run` wrote.
+#[derive(Debug, Clone, Default)]
+pub struct FilesOutcome {
+    /// Number of files in the list of the folder; `None` if an earlier version wrote it without one, so that nothing can be checked.
+    pub listed: Option<usize>,
+    /// A message for each file that was changed or removed.
+    pub faults: Vec<String>,
+    /// Files that an interrupted command was to write or to remove.
+    pub unfinished: Vec<String>,
+}
+
+/// Finds whether all files in the list of a folder are as they were written, by their sizes and digests.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn check_files(folder: &Path) -> Result<FilesOutcome, FolderError> {
+    let open = Folder::read(folder)?;
+    let Some(changed) = open.changed() else { return Ok(FilesOutcome::default()) };
+    let faults = changed.iter().filter_map(|(name, difference)| fault(folder, name, *difference));
+    Ok(FilesOutcome {
+        listed: Some(open.listed().len()),
+        faults: faults.collect(),
+        unfinished: unfinished(&changed),
+    })
+}
+
+/// The first of the files that an interrupted command was to write or to remove.
+fn unfinished(changed: &BTreeMap<String, Difference>) -> Vec<String> {
+    let unfinished = changed.iter().filter(|(_, found)| **found == Difference::Unfinished);
+    unfinished.map(|(name, _)| name.clone()).take(MAX_LISTED).collect()
+}
+
+/// The message for a listed file that is not as it was written; `None` for one that an interrupted command has not written yet.
+fn fault(folder: &Path, name: &str, difference: Difference) -> Option<String> {
+    let path = folder.join(name);
+    let path = path.display();
+    match difference {
+        Difference::Changed => Some(format!("{path} was changed since it was written")),
+        Difference::Unfinished => None,
+        Difference::Unreadable => Some(format!("cannot read {path}, which is listed")),
+        Difference::Missing => Some(format!("{path} was removed since it was written")),
+    }
 }
 
 /// A note on files of a run that the list of its folder does not have, as where a command of this version began the list of an earlier

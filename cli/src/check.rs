@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::check::{CheckError, CheckOutcome, CheckRequest, check as find};
+use sagnac::check::{CheckError, CheckOutcome, CheckRequest, FilesOutcome, check as find, check_files};
 use sagnac::store::FILE as DATABASE;
 use sagnac::store::error::StoreError;
 use sagnac::store::folder::Folder;
@@ -45,8 +45,8 @@ enum State {
 /// Most faults of a folder that are listed individually.
 const MAX_TOLD: usize = 10;
 
-/// Reads everything in the folders and reports whether it is intact, complete and matches its tables. All folders are
-/// read, whatever is found in the first ones.
+/// Reads everything in the folders and reports whether it is intact, complete and matches its tables; of other commands than `run`,
+/// whether their files are as they were written. All folders are read, whatever is found in the first ones.
 pub fn check(options: &Options) -> Result<(), Failure> {
     if options.adopt {
         return options.folders.iter().try_for_each(|folder| adopt(folder, options.quiet));
@@ -86,10 +86,57 @@ fn adopt(folder: &Path, quiet: bool) -> Result<(), Failure> {
     if quiet { Ok(()) } else { print(&format!("{}: took over {names}", folder.display())) }
 }
 
+fn say_faults(faults: &[String]) {
+    for fault in faults.iter().take(MAX_TOLD) {
+        say!("error: {}", failure::in_options(fault));
+    }
+}
+
+fn say_unfinished(folder: &Path, unfinished: &[String]) {
+    if !unfinished.is_empty() {
+        say!(
+            "{}: a command was interrupted, and what it was to write or to remove is not complete: {}",
+            folder.display(),
+            unfinished.join(", ")
+        );
+    }
+}
+
+/// Checks the files of a command other than `run`, whose numbers no study can give again.
+fn files(folder: &Path, command: &str, quiet: bool) -> Result<State, Failure> {
+    let shown = folder.display();
+    let FilesOutcome { listed, faults, unfinished } = check_files(folder)?;
+    let Some(listed) = listed else {
+        return Err(Failure::Usage(format!(
+            "{shown} holds output of `sagnac {command}` of an earlier version, which kept no list of its files: nothing can be checked\n\
+             `sagnac check {shown} --adopt` makes the list"
+        )));
+    };
+    say_faults(&faults);
+    if !quiet {
+        print(&match faults.len() {
+            0 => format!("{shown}: {listed} files of `sagnac {command}` are as they were written"),
+            count => {
+                format!("{shown}: {} among {listed} files of `sagnac {command}`", failure::faults(count))
+            }
+        })?;
+    }
+    say_unfinished(folder, &unfinished);
+    Ok(match faults.len() {
+        0 if unfinished.is_empty() => State::Sound,
+        0 => State::Incomplete,
+        faults => State::Faulty(faults),
+    })
+}
+
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     if folder.is_file() {
         // Reports whether it is a results folder.
         folders::study(folder)?;
+    }
+    let is_other = !folders::is_study(folder) && !folder.join(DATABASE).is_file();
+    if let Some(command) = folders::writer(folder).filter(|_| is_other) {
+        return files(folder, command, quiet);
     }
     let progress = Shown::new(if quiet { How::None } else { How::Auto });
     let found = find(&CheckRequest { folder: folder.to_owned() }, &progress);
@@ -102,20 +149,12 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     })?;
     let CheckOutcome { intact: [rows, points], about, missing_trials, faults, notes, unfinished } = found;
     notes.iter().for_each(|note| note!("{note}"));
-    for fault in faults.iter().take(MAX_TOLD) {
-        say!("error: {}", failure::in_options(fault));
-    }
+    say_faults(&faults);
     if !quiet {
         let about = if faults.is_empty() { about } else { failure::faults(faults.len()) };
         print(&format!("{}: {rows} rows of {points} points are intact; {about}", folder.display()))?;
     }
-    if !unfinished.is_empty() {
-        say!(
-            "{}: a command was interrupted, and what it was to write or to remove is not complete: {}",
-            folder.display(),
-            unfinished.join(", ")
-        );
-    }
+    say_unfinished(folder, &unfinished);
     Ok(match (faults.len(), missing_trials) {
         (0, 0) if unfinished.is_empty() => State::Sound,
         (0, _) => State::Incomplete,

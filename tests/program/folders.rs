@@ -288,6 +288,31 @@ fn folders_of_earlier_versions_name_files_by_their_whole_paths_and_are_read_too(
 }
 
 #[test]
+fn folders_of_other_commands_are_checked_by_their_lists() {
+    let desk = Desk::with("");
+    desk.write("noise.toml", "angle_random_walk = \"0.01 deg/sqrt(h)\"\n");
+    desk.done("simulate noise.toml --rate 1Hz --length 20min --out record");
+    desk.done("allan record/record_00000.csv --bootstrap 0 --out fit");
+    desk.done("model noise.toml --from 1s --to 100s --out model");
+    for (folder, command) in [("record", "simulate"), ("fit", "allan"), ("model", "model")] {
+        let said = desk.done(&format!("check {folder}")).stdout;
+        let intact = format!("files of `sagnac {command}` are as they were written");
+        assert!(said.starts_with(&format!("{folder}: ")) && said.contains(&intact), "{said}");
+    }
+    let curve = desk.read("fit/curve.csv");
+    desk.write("fit/curve.csv", &curve.replacen('1', "2", 1));
+    desk.fails("check fit --quiet", 5, &["fit/curve.csv was changed since it was written"]);
+    std::fs::remove_file(desk.path("record/record_00000.csv")).unwrap();
+    desk.fails(
+        "check record model --quiet",
+        5,
+        &["record/record_00000.csv was removed since it was written"],
+    );
+    std::fs::remove_file(desk.path("model/written_by_sagnac.jsonl")).unwrap();
+    desk.fails("check model", 2, &["holds output of `sagnac model` of an earlier version", "--adopt"]);
+}
+
+#[test]
 fn a_run_says_which_file_is_another_one_than_before() {
     let desk = Desk::with(STUDY);
     gyros(&desk, "one", "0.001");
