@@ -153,6 +153,20 @@ fn keys_columns_and_exit_codes_are_explained_and_near_names_are_offered() {
     for code in ["0", "1", "2", "3", "4", "5", "6", "130", "143"] {
         says(code, &[&format!("exit code {code}: ")]);
     }
+    // Every word of the glossary is found, each by each of its names.
+    for line in include_str!("../../docs/explain/glossary.md").lines() {
+        let Some((names, meaning)) = line.strip_prefix("- **").and_then(|line| line.split_once("**: "))
+        else {
+            continue;
+        };
+        for name in names.split(", ") {
+            desk.done(&format!("explain {}", name.trim_matches('`')));
+        }
+        if names == "overbound" {
+            says("overbound", &["overbound (term)", meaning]);
+        }
+    }
+    says("Gauss-Markov state", &["exponentially correlated noise"]);
     desk.fails("explain motion.amplitud", 2, &["did you mean `motion.amplitude`"]);
     desk.fails("explain 7", 2, &["there is no exit code 7", "130"]);
     desk.fails("explain xqzw", 2, &["`sagnac explain` lists all"]);

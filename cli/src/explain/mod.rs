@@ -61,27 +61,42 @@ fn of(what: &str) -> Result<String, Failure> {
 
 /// The form in which names are compared if none matches exactly.
 fn folded(name: &str) -> String {
-    name.to_lowercase().replace(['-', ' '], "_")
+    name.to_lowercase().replace(['-', '–', ' '], "_")
 }
 
 /// The explanations of all kinds, terms, keys, words and columns with a matching name. Keys of which only the last part
 /// matches follow after words.
 fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let kinds = KINDS.into_iter().filter(|kind| is_called(kind.name)).map(of_kind);
-    let terms = terms().filter(|(names, _)| names.iter().any(|name| is_called(name)));
-    let terms = terms.map(|(names, meaning)| format!("{} (term)\n{}", names.join(", "), filled(meaning)));
+    let is_meant = |(names, _): &(Vec<&'static str>, &'static str)| names.iter().any(|name| is_called(name));
+    let text =
+        |(names, meaning): (Vec<&str>, &str)| format!("{} (term)\n{}", names.join(", "), filled(meaning));
+    let terms: Vec<String> = terms().filter(is_meant).map(text).collect();
+    // The glossary has a line on each; the terms above have more.
+    let short: Vec<String> = match terms[..] {
+        [] => glossary().filter(is_meant).map(text).collect(),
+        _ => vec![],
+    };
     let whole: Vec<&str> = explained_keys().filter(|key| is_called(key)).collect();
     let ends = |key: &&str| key.match_indices('.').any(|(dot, _)| is_called(&key[dot + 1..]));
     let parts = if whole.is_empty() { explained_keys().filter(ends).collect() } else { vec![] };
     let keys = |keys: Vec<&'static str>| keys.into_iter().filter_map(explain_key).map(|key| of_key(&key));
     let words = of_words(&is_called);
-    kinds.chain(terms).chain(keys(whole)).chain(words).chain(keys(parts)).chain(of_column(what)).collect()
+    let found = kinds.chain(terms).chain(keys(whole)).chain(words).chain(keys(parts));
+    found.chain(of_column(what)).chain(short).collect()
 }
 
 /// Terms of the field and of this program that are neither keys nor columns, each with its names and its meaning.
 fn terms() -> impl Iterator<Item = (Vec<&'static str>, &'static str)> {
     let entries = include_str!("glossary.txt").split("\n\n").filter_map(|entry| entry.split_once('\n'));
     entries.map(|(names, meaning)| (names.split(", ").collect(), meaning))
+}
+
+/// The terms of the glossary of the documents, each with its names and its meaning in a line.
+fn glossary() -> impl Iterator<Item = (Vec<&'static str>, &'static str)> {
+    let lines = include_str!("../../../docs/explain/glossary.md").lines();
+    let entries = lines.filter_map(|line| line.strip_prefix("- **")?.split_once("**: "));
+    entries.map(|(names, meaning)| (names.split(", ").map(|name| name.trim_matches('`')).collect(), meaning))
 }
 
 /// A kind of study.
@@ -193,7 +208,9 @@ fn subjects() -> String {
         let columns: Vec<&str> = file.columns.iter().map(|column| column.name).collect();
         text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
     }
-    let terms: Vec<&str> = terms().map(|(names, _)| names[0]).collect();
+    let longer: Vec<&str> = terms().flat_map(|(names, _)| names).collect();
+    let further = glossary().filter(|(names, _)| !names.iter().any(|name| longer.contains(name)));
+    let terms: Vec<&str> = terms().chain(further).map(|(names, _)| names[0]).collect();
     text += &format!("\nTerms, as in `sagnac explain N`\n{}", filled(&terms.join(", ")));
     text += "\nExit codes, as in `sagnac explain 4`\n";
     for (codes, meaning) in EXIT_CODES {
@@ -206,7 +223,7 @@ fn subjects() -> String {
 fn unknown(what: &str) -> String {
     let columns = files().into_iter().flat_map(|file| file.columns).map(|column| column.name);
     let kinds = KINDS.iter().map(|kind| kind.name);
-    let terms = terms().flat_map(|(names, _)| names);
+    let terms = terms().chain(glossary()).flat_map(|(names, _)| names);
     let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).chain(terms).collect();
     known.sort_unstable();
     known.dedup();
