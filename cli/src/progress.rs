@@ -189,7 +189,8 @@ impl Progress for Shown {
         let first = *self.unit.get_or_init(|| unit);
         let bar = &self.bar;
         let say_done = || {
-            if self.how == How::Plain && unit == first && done < total {
+            // A single piece of work has nothing to count.
+            if self.how == How::Plain && unit == first && done < total && total > 1 {
                 self.begins.get_or_init(|| ());
                 say!("{} of {} {unit} done", short(done as f64), short(total as f64));
             }

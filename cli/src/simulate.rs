@@ -116,7 +116,7 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     }
     write_inputs(study, &folder)?;
     folder.write(STUDY, text.as_bytes())?;
-    let progress = Shown::new(if options.quiet { How::None } else { How::Plain });
+    let progress = Shown::new(if options.quiet { How::None } else { How::Auto });
     progress.start("records", 0, options.records);
     let records = options.first..options.first + options.records;
     records.into_par_iter().try_for_each(|number| {
@@ -129,16 +129,30 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     match options.quiet {
         true => Ok(()),
         false => print(&format!(
-            "{} of {} samples at {} Hz\nrecords {}",
+            "{} of {} samples at {} Hz\n{}records {}",
             match options.records {
                 1 => "1 record".to_owned(),
                 records => format!("{records} records"),
             },
             simulation.samples(),
             short(1.0 / simulation.sample_s()),
+            if options.form == Form::Npy { hint(&simulation, options.data) } else { String::new() },
             path.display()
         )),
     }
+}
+
+/// How a log command reads an array without names: a line.
+fn hint(simulation: &Simulation, numbers: Numbers) -> String {
+    let step_s = simulation.sample_s();
+    let rate_hz = 1.0 / step_s;
+    let rate = if rate_hz.fract() == 0.0 { format!("{rate_hz}Hz") } else { format!("{step_s}s") };
+    let (data, unit) = match numbers {
+        Numbers::Rate => ("rate", "deg/h"),
+        Numbers::Increment => ("increment", "arcsec"),
+        Numbers::Angle => ("angle", "arcsec"),
+    };
+    format!("read them with --rate {rate} --data {data} --unit {unit}\n")
 }
 
 impl From<SimulateError> for Failure {

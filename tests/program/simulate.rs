@@ -73,6 +73,19 @@ fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
 }
 
 #[test]
+fn an_array_of_numpy_has_its_rate_and_unit_beside_it_and_allan_asks_for_both() {
+    let desk = desk();
+    let ended = desk.done("simulate noise.toml --rate 10Hz --length 10min --form npy --out lab");
+    assert!(!ended.stderr.contains("0 of 1"), "one record is no progress: {}", ended.stderr);
+    let hint = "--rate 10Hz --data rate --unit deg/h";
+    assert!(ended.stdout.contains(hint), "{}", ended.stdout);
+    let study = desk.read("lab/simulated.toml");
+    assert!(study.contains("rates in °/h") && study.contains("sample = \"0.1 s\""), "{study}");
+    desk.fails("allan lab/record_00000.npy", 3, &["give the rate", "the unit of column 1 is missing"]);
+    desk.done(&format!("allan lab/record_00000.npy {hint} --bootstrap 0 --out found"));
+}
+
+#[test]
 fn coefficients_of_simulated_records_are_within_their_intervals() {
     let desk = desk();
     desk.done(&format!("{RECORD} --records 40 --seed 5 --out all"));
