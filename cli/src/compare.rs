@@ -6,7 +6,8 @@ use crate::failure::Failure;
 use crate::output::{Output, print_documents};
 use crate::reading::Reading;
 use clap::Args;
-use sagnac::analysis::compare::logs::RatioLimit;
+use sagnac::analysis::compare::Stated;
+use sagnac::analysis::compare::logs::{Compared, RatioLimit};
 use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::record::curve_file::CurveFile;
 use sagnac::record::log::Log;
@@ -22,8 +23,11 @@ Examples:
   sagnac compare gyro1.csv gyro2.csv gyro3.csv --unit deg/h --rate 100Hz --column gz \\
     --limit \"N=0.003 deg/sqrt(h)\"
   sagnac compare bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
+  sagnac compare curve.csv gyro.csv --unit deg/h --rate 100Hz --column gz
+  sagnac compare noise.toml gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
 
-Two logs are tested for a difference. Three and more logs, or several columns of one, are a batch of
+Two logs are tested for a difference. A curve (a file with a column tau), or for one of them a noise
+file with the numbers of a data sheet, may stand for a log. Three and more logs, or several columns of one, are a batch of
 units: its median, the scatter between units, the next unit, and outliers. All logs are read with the
 same options, as `sagnac allan` reads them; with time stamps their sampling rates may differ. If
 --column names two columns for two logs, each log has its own, in the same order, and so it is with
@@ -32,7 +36,7 @@ units and rates.";
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Two logs, or the logs of a batch of units
+    /// Two logs, curves or a noise file; or the logs of a batch of units
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
@@ -50,11 +54,6 @@ pub struct Options {
 
 /// Compares two logs, or the units of a batch.
 pub fn compare(options: &Options) -> Result<(), Failure> {
-    if let Some(path) = options.files.iter().find(|path| CurveFile::is_one(path)) {
-        let message =
-            format!("{} is a curve, and sagnac compare reads logs\nfit it with sagnac allan", path.display());
-        return Err(Failure::Usage(message));
-    }
     match &options.files[..] {
         [a, b] => pair(options, [a, b].map(PathBuf::as_path)),
         _ if options.max_ratio.is_empty() => batch(options, "batch"),
@@ -64,7 +63,24 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
     }
 }
 
-/// Compares two logs.
+/// A side that was read.
+enum Read {
+    Log(Log),
+    Curve(CurveFile),
+    Stated(Stated),
+}
+
+impl Read {
+    fn compared(&self) -> Compared<'_> {
+        match self {
+            Read::Log(log) => Compared::Log(log),
+            Read::Curve(curve) => Compared::Curve(curve),
+            Read::Stated(stated) => Compared::Stated(stated),
+        }
+    }
+}
+
+/// Compares two logs, curves, or one of them with a noise file.
 fn pair(options: &Options, files: [&Path; 2]) -> Result<(), Failure> {
     // Before 0.3, a limit of two logs was a ratio.
     let is_ratio =
@@ -77,36 +93,56 @@ fn pair(options: &Options, files: [&Path; 2]) -> Result<(), Failure> {
     let reading = &options.reading;
     let request = CompareRequest { treatment: reading.treatment(), fitting: reading.fitting(), limits };
     request.check()?;
-    let [a, b] = logs(reading, files)?;
-    let outcome = compare_logs([(files[0], &a), (files[1], &b)], &request)?;
+    let sides = sides(reading, files)?;
+    let outcome = compare_logs([0, 1].map(|i| (files[i], sides[i].compared())), &request)?;
     let [first, second] = files.map(|path| path.file_stem().unwrap_or_default().to_string_lossy());
     let folder = options.output.folder(format!("{first}_vs_{second}"));
     print_documents(options.output.finish(&outcome, &folder, files, &[])?.as_slice(), 1)
 }
 
-/// Reads the logs, of which each may have its column, unit and rate.
-fn logs(reading: &Reading, [first, second]: [&Path; 2]) -> Result<[Log; 2], Failure> {
-    let [a, b] = reading.requests_of_two()?;
-    if a.columns.len() > 2 || a.units.len() > 2 {
-        let list = if a.columns.len() > 2 {
+/// Reads the files, of which each may have its column, unit and rate.
+fn sides(reading: &Reading, files: [&Path; 2]) -> Result<[Read; 2], Failure> {
+    let is_noise =
+        files.map(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")));
+    let is_curve = [0, 1].map(|i| !is_noise[i] && CurveFile::is_one(files[i]));
+    // Options of logs are those of the log beside a curve.
+    let has_log = (0..2).any(|i| !is_noise[i] && !is_curve[i]);
+    let is_curve = is_curve.map(|is_curve| is_curve && (has_log || !reading.is_of_log()));
+    let requests = reading.requests_of_two()?;
+    let [first, _] = &requests;
+    if first.columns.len() > 2 || first.units.len() > 2 {
+        let list = if first.columns.len() > 2 {
             "--column names more than two columns"
         } else {
             "there are more than two units"
         };
         return Err(Failure::Usage(format!("{list}\ngive one for each log, as in --column gx,gy")));
     }
-    let last = [a.columns.len(), a.units.len()].map(|count| count.saturating_sub(1));
-    let log = |path: &Path, request: Request, [column, unit]: [usize; 2]| -> Result<Log, Failure> {
-        let columns = request.columns.get(column).cloned().into_iter().collect();
-        let units = request.units.get(unit).cloned().into_iter().collect();
-        reading.read(path, &Request { columns, units, ..request })
+    let log = |path: &Path, request: Request, place: usize| -> Result<Read, Failure> {
+        let columns = request.columns.get(place).or(request.columns.last()).cloned().into_iter().collect();
+        let units = request.units.get(place).or(request.units.last()).cloned().into_iter().collect();
+        Ok(Read::Log(reading.read(path, &Request { columns, units, ..request })?))
     };
-    Ok([log(first, a, [0; 2])?, log(second, b, last)?])
+    let read = |place: usize, request: Request| match (is_noise[place], is_curve[place]) {
+        (true, _) => Ok(Read::Stated(Stated::read(files[place])?)),
+        (_, true) => Ok(Read::Curve(reading.curve_at(files[place], place, has_log)?)),
+        _ => log(files[place], request, place),
+    };
+    let [of_first, of_second] = requests;
+    Ok([read(0, of_first)?, read(1, of_second)?])
 }
 
 /// Pools the logs of a batch; `name` is that of the results folder.
 pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
     let reading = &options.reading;
+    let is_curve = |path: &&PathBuf| !reading.is_of_log() && CurveFile::is_one(path);
+    if let Some(path) = options.files.iter().find(is_curve) {
+        let message = format!(
+            "{} is a curve, and a batch is of logs\ncompare it with one log or curve",
+            path.display()
+        );
+        return Err(Failure::Usage(message));
+    }
     let limits = options.limit.iter().map(|text| Limit::parse(text, Limited::OF_BATCH));
     let limits = limits.collect::<Result<_, _>>().map_err(LogError::from)?;
     let batch = BatchRequest { fitting: reading.fitting(), limits };

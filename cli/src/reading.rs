@@ -263,25 +263,52 @@ impl Reading {
         })
     }
 
+    /// Whether options are given that only logs have, so that a file with the header of a curve is a log all the same.
+    pub fn is_of_log(&self) -> bool {
+        self.binary.is_some() || !self.rate.is_empty() || self.time.is_some() || self.data.is_some()
+    }
+
     /// Reads the curve at `path`, if the file is one and no option is of logs. Its intervals have this probability if the file does not
     /// state it.
     ///
     /// # Errors
     /// The curve is refused.
     pub fn curve(&self, path: &Path, confidence: Option<f64>) -> Result<Option<CurveFile>, Failure> {
-        let is_log =
-            self.binary.is_some() || !self.rate.is_empty() || self.time.is_some() || self.data.is_some();
-        if is_log || !CurveFile::is_one(path) {
+        if self.is_of_log() || !CurveFile::is_one(path) {
             return Ok(None);
         }
+        let (column, unit) = (self.column.first(), self.unit.first());
+        self.curve_with(path, confidence, column, unit).map(Some)
+    }
+
+    /// Reads the curve at `path`, which stands at this place of two sides. A single column is that of a log beside it, and so is a
+    /// single unit unless the curve has none.
+    ///
+    /// # Errors
+    /// The curve is refused.
+    pub fn curve_at(&self, path: &Path, place: usize, is_beside_log: bool) -> Result<CurveFile, Failure> {
+        let [column, unit] = [&self.column, &self.unit].map(|list| list.get(place).or(list.last()));
+        let is_own = |list: &[String]| !is_beside_log || list.len() > 1;
+        let column = column.filter(|_| is_own(&self.column));
+        let own = unit.filter(|_| is_own(&self.unit));
+        self.curve_with(path, None, column, own).or_else(|_| self.curve_with(path, None, column, unit))
+    }
+
+    fn curve_with(
+        &self,
+        path: &Path,
+        confidence: Option<f64>,
+        column: Option<&String>,
+        unit: Option<&String>,
+    ) -> Result<CurveFile, Failure> {
         let request = CurveRequest {
-            column: self.column.first().cloned(),
-            unit: self.unit.first().cloned(),
+            column: column.cloned(),
+            unit: unit.cloned(),
             time_unit: self.time_unit.clone(),
             confidence,
             errors: self.curve_interval,
         };
-        Ok(Some(CurveFile::read(path, &request)?))
+        Ok(CurveFile::read(path, &request)?)
     }
 
     /// Reads a log as it was recorded.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::Trend;
-use sagnac::analysis::compare::logs::RatioLimit;
+use sagnac::analysis::compare::logs::{Compared, RatioLimit};
 use sagnac::analysis::design::filler_search::band as band_of;
 use sagnac::analysis::design::{Constraints, DesignError, DesignRequest, Measure, Search, design as find};
 use sagnac::analysis::log::{NoiseRequest, Treatment};
@@ -162,7 +162,8 @@ pub fn compare<'py>(
         let fitting = Some(Fitting::from(terms_of(terms.as_deref(), treatment.trend)?));
         let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<_, _>>()?;
         let request = CompareRequest { treatment, fitting, limits };
-        Ok(compare_logs([(Path::new(&names.0), a), (Path::new(&names.1), b)], &request)?)
+        let sides = [(Path::new(&names.0), Compared::Log(a)), (Path::new(&names.1), Compared::Log(b))];
+        Ok(compare_logs(sides, &request)?)
     })?;
     in_dict(py, found)
 }

@@ -13,7 +13,7 @@ use sagnac_base::table::Table;
 use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Minimum, Overdispersion, Point, Supposed};
 use sagnac_records::fit::points::fit_points;
-use sagnac_records::fit::{Fit, Fitting, Quantity};
+use sagnac_records::fit::{Fit, FitError, Fitting, Quantity};
 use sagnac_records::record::curve_file::{CurveFile, CurvePoint};
 use sagnac_records::record::log::outliers::Outliers;
 use sagnac_report::answer::Fact;
@@ -42,9 +42,7 @@ impl Analysis {
     pub fn new(file: CurveFile, path: &Path, fitting: Option<&Fitting>) -> Analysis {
         let counted = counted(&file.points);
         let noise = fitting.map(|fitting| {
-            let of = |value: fn(&CurvePoint) -> f64| counted.iter().map(value).collect::<Vec<f64>>();
-            let (taus, variances) = (of(|point| point.tau_s), of(|point| point.value * point.value));
-            let fit = fit_points(&taus, &variances, &of(|point| 2.0 * point.error), fitting);
+            let fit = fit_of(&counted, fitting);
             fit.map(|fit| DataSheet::of_points(fit, file.unit)).map_err(|error| error.to_string())
         });
         let point = |point: &CurvePoint| Point {
@@ -85,6 +83,22 @@ impl Analysis {
         let ends = [self.file.points.first(), self.file.points.last()];
         let [from, to] = ends.map(|point| significant(point.map_or(0.0, |point| point.tau_s), 4));
         format!("{file}: {} points of a curve, τ {from} s to {to} s", self.file.points.len())
+    }
+
+    /// The fit of these terms to the points that count.
+    ///
+    /// # Errors
+    /// There are fewer points than terms.
+    pub(crate) fn fit_of(&self, fitting: &Fitting) -> Result<Fit, FitError> {
+        fit_of(&counted(&self.file.points), fitting)
+    }
+
+    /// The points with the degrees of freedom that follow from their errors.
+    pub(crate) fn points(&self) -> Vec<Point> {
+        let points = self.column.curves.iter().flat_map(|curve| &curve.points);
+        // A variance with ν degrees of freedom has a relative error of √(2/ν), twice that of its deviation.
+        let edf = |point: &CurvePoint| Some(0.5 / (point.error * point.error));
+        points.zip(&self.file.points).map(|(point, of)| Point { edf: edf(of), ..*point }).collect()
     }
 
     /// The fit, if it describes the curve.
@@ -256,13 +270,19 @@ fn counted(points: &[CurvePoint]) -> Vec<CurvePoint> {
     if known.is_empty() { points.to_vec() } else { known }
 }
 
+fn fit_of(points: &[CurvePoint], fitting: &Fitting) -> Result<Fit, FitError> {
+    let of = |value: fn(&CurvePoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
+    let (taus, variances) = (of(|point| point.tau_s), of(|point| point.value * point.value));
+    fit_points(&taus, &variances, &of(|point| 2.0 * point.error), fitting)
+}
+
 /// The deviation of some parts at a time.
 fn deviation(parts: &[Part], tau_s: f64) -> f64 {
     libm::sqrt(parts.iter().filter_map(|part| continuous_variance(part, tau_s)).sum())
 }
 
 /// The deviation of some parts over a range of times.
-fn line(parts: &[Part], [from_s, to_s]: [f64; 2]) -> Vec<(f64, f64)> {
+pub(crate) fn line(parts: &[Part], [from_s, to_s]: [f64; 2]) -> Vec<(f64, f64)> {
     let count = libm::ceil(PLACES * libm::log2(to_s / from_s)).max(1.0);
     let at = |place: u32| from_s * libm::pow(to_s / from_s, f64::from(place) / count);
     (0..=count as u32).map(|place| (at(place), deviation(parts, at(place)))).collect()

@@ -6,7 +6,7 @@
 //!                                  ├─ Dynamic ────────────────────────────────────────┤
 //!                                  └─ navigators ─────────────────────────────────────┘
 //! CurveFile ─────────────── fit_curve ─▶ given_curve::Analysis ─▶ Outcome
-//! two Logs, CompareRequest ─ compare_logs ─▶ Outcome
+//! two Logs, CurveFiles or Stated, CompareRequest ─ compare_logs ─▶ Outcome
 //! Logs, BatchRequest ─────── BatchRequest::analyze ─▶ log::Analysis ─ compare_units ─▶ Outcome
 //! Log or noise.toml, ModelRequest ── model_noise ─▶ Outcome
 //! ```
@@ -14,7 +14,7 @@
 use std::path::Path;
 
 use crate::analysis::batch::{Batch, BatchError};
-use crate::analysis::compare::logs::{self, CompareError, RatioLimit};
+use crate::analysis::compare::logs::{self, CompareError, Compared, RatioLimit};
 use crate::analysis::data_sheet::Intervals;
 use crate::analysis::dynamic::{self, Dynamic, DynamicError};
 use crate::analysis::given_curve;
@@ -83,7 +83,10 @@ impl LogError {
             LogError::Tau(error) => matches!(error, TauError::NoTime(_)),
             LogError::Batch(error) => !matches!(error, BatchError::Units { .. }),
             LogError::Model(error) => error.is_usage(),
-            LogError::Dynamic(_) | LogError::Spectrum(_) | LogError::Compare(_) => false,
+            LogError::Compare(error) => {
+                matches!(error, CompareError::NothingEstimated | CompareError::NoFit)
+            }
+            LogError::Dynamic(_) | LogError::Spectrum(_) => false,
         }
     }
 }
@@ -317,17 +320,22 @@ impl CompareRequest {
     }
 }
 
-/// Compares two logs of a column each, which were read from these paths.
+/// The files of [`compare_logs`].
+const COMPARE_FILES: [&str; 7] =
+    ["coefficients.csv", "compare.csv", "events.csv", "records.csv", "limits.csv", "chart-1", "chart-2"];
+
+/// Compares two logs of a column each, which were read from these paths; a curve may stand for a log, and a noise file for one of them.
 ///
 /// # Errors
 /// The limits do not fit the request, or the logs have nothing in common to compare.
-pub fn compare_logs(sides: [(&Path, &Log); 2], request: &CompareRequest) -> Result<Outcome, LogError> {
+pub fn compare_logs(sides: [(&Path, Compared); 2], request: &CompareRequest) -> Result<Outcome, LogError> {
     request.check()?;
     let analysis = logs::Analysis::of(sides, &request.treatment, request.fitting.as_ref())?;
     let decision = analysis.decision(&request.limits);
-    let page = of_comparison(sides.map(|(_, log)| log), &analysis, &decision);
+    let log = |(_, compared)| if let Compared::Log(log) = compared { Some(log) } else { None };
+    let page = of_comparison(sides.map(log), &analysis, &decision);
     let heading = analysis.sides.each_ref().map(logs::Side::heading).join(" · ");
-    Ok(Outcome::new(heading, page).among(["coefficients.csv", "limits.csv", "chart-1", "chart-2"]))
+    Ok(Outcome::new(heading, page).among(COMPARE_FILES))
 }
 
 /// The request for the values of a batch of units.

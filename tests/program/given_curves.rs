@@ -1,6 +1,6 @@
-//! `sagnac allan` and `sagnac model` on curves of other tools.
+//! `sagnac allan`, `sagnac model` and `sagnac compare` on curves of other tools.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, number};
 
 /// A record of white and flicker noise, by the program itself.
 const NOISE: &str = "angle_random_walk = \"0.03 deg/sqrt(h)\"\nbias_instability = \"0.5 deg/h\"\n";
@@ -70,7 +70,7 @@ fn what_a_curve_cannot_give_is_said() {
     for (command, code, piece) in [
         ("allan curve.csv", 3, "`adev` has no unit"),
         ("allan curve.csv --unit deg/h --dynamic", 2, "--dynamic needs a log"),
-        ("compare curve.csv curve.csv --unit deg/h", 2, "is a curve"),
+        ("compare curve.csv curve.csv curve.csv --unit deg/h", 2, "a batch is of logs"),
         ("allan curve.csv --unit deg/h --curve-interval 200%", 2, "not between 0 and 100 %"),
     ] {
         let refused = desk.sagnac(command);
@@ -80,4 +80,87 @@ fn what_a_curve_cannot_give_is_said() {
     desk.write("steps.csv", "tau [s],adev [deg/h]\n1,1\n2,3\n4,1\n8,3\n16,1\n32,3\n64,1\n128,3\n256,1\n");
     let shown = desk.done("allan steps.csv --out steps").stdout;
     assert!(shown.contains("No noise model fits"), "{shown}");
+}
+
+/// A curve in closed form of white noise of this many °/√h, and flicker noise of 0.2 °/h.
+fn closed_form(n: f64) -> String {
+    let row = |octave: u32| {
+        let tau = f64::from(1 << octave);
+        format!("{tau},{}\n", (3600.0 * n * n / tau + 0.04_f64).sqrt())
+    };
+    let rows: String = (0..12).map(row).collect();
+    format!("tau [s],adev [deg/h]\n{rows}")
+}
+
+#[test]
+fn two_curves_are_compared_by_the_coefficients_of_their_points() {
+    let desk = Desk::with("");
+    desk.write("a.csv", &closed_form(0.05));
+    desk.write("b.csv", &closed_form(0.06));
+    let shown = desk.done("compare a.csv b.csv --curve-interval 5% --out out").stdout;
+    assert!(shown.contains("b is 20 % noisier in N") && shown.contains("independent"), "{shown}");
+    let rows = desk.table("out/coefficients.csv");
+    let n = &rows[0];
+    assert_eq!((n["coefficient"].as_str(), n["status"].as_str()), ("N", "b higher"));
+    assert!((number(n, "ratio") - 1.2).abs() < 1e-6, "{n:?}");
+    assert!(number(n, "ratio_lower") > 1.1 && number(n, "ratio_upper") < 1.3, "{n:?}");
+    // What follows from samples is blank, and no table of records is there.
+    assert_eq!((n["length_needed_s"].as_str(), n["length_beyond_s"].as_str()), ("", ""));
+    assert!(!desk.path("out/records.csv").exists());
+    let ratios = desk.table("out/compare.csv");
+    assert_eq!((ratios.len(), ratios[0]["m_a"].as_str(), ratios[0]["status"].as_str()), (12, "", "b higher"));
+    let said = desk.full("compare a.csv b.csv --curve-interval 5% --out full");
+    let said = said.stdout + &said.stderr;
+    assert!(said.contains("follow from samples and are left out"), "{said}");
+    desk.done("compare a.csv b.csv --curve-interval 5% --max-ratio N=1.5 --out limited");
+    assert!(desk.done("compare a.csv a.csv --out same").stdout.contains("one record"));
+}
+
+#[test]
+fn a_log_and_its_own_curve_are_consistent() {
+    let desk = Desk::with("");
+    desk.write("noise.toml", NOISE);
+    desk.done("simulate noise.toml --rate 1Hz --length 9h --out records");
+    desk.done("allan records/record_00000.csv --bootstrap 0 --out log");
+    for (files, place) in
+        [("log/curve.csv records/record_00000.csv", "m_b"), ("records/record_00000.csv log/curve.csv", "m_a")]
+    {
+        desk.done(&format!("compare {files} --out {place}"));
+        let rows = desk.table(&format!("{place}/coefficients.csv"));
+        let n = rows.iter().find(|row| row["coefficient"] == "N").unwrap();
+        assert_eq!(n["status"], "consistent", "{n:?}");
+        assert!((number(n, "ratio") - 1.0).abs() < 0.02, "{n:?}");
+        let ratios = desk.table(&format!("{place}/compare.csv"));
+        assert_eq!((number(&ratios[3], "ratio"), number(&ratios[3], place)), (1.0, 8.0), "{ratios:?}");
+        assert_eq!(desk.table(&format!("{place}/records.csv")).len(), 1);
+    }
+}
+
+#[test]
+fn stated_numbers_stand_for_a_data_sheet() {
+    let desk = Desk::with("");
+    desk.write("curve.csv", &closed_form(0.05));
+    desk.write(
+        "sheet.toml",
+        "angle_random_walk = \"0.04 deg/sqrt(h)\"\nrate_random_walk = \"1 deg/h/sqrt(h)\"\n",
+    );
+    desk.done("compare sheet.toml curve.csv --curve-interval 5% --out out");
+    let rows = desk.table("out/coefficients.csv");
+    let row = |name: &str| rows.iter().find(|row| row["coefficient"] == name).unwrap();
+    assert_eq!(row("N")["status"], "curve higher");
+    assert!((number(row("N"), "ratio") - 1.25).abs() < 1e-5, "{rows:?}");
+    // The sheet states no B, and the curve shows no K.
+    assert_eq!((row("B")["status"].as_str(), row("B")["a"].as_str()), ("not compared", ""));
+    assert_eq!(row("K")["status"], "curve lower");
+    let limit =
+        desk.done("compare sheet.toml curve.csv --curve-interval 5% --max-ratio N=1.4 --out met").stdout;
+    assert!(limit.contains("meets the limit 1.4"), "{limit}");
+    for (command, piece) in [
+        ("compare sheet.toml sheet.toml", "nothing is estimated"),
+        ("compare sheet.toml curve.csv --fit none", "--fit auto"),
+    ] {
+        let refused = desk.sagnac(command);
+        assert_eq!(refused.code, 2, "{command}: {}", refused.stderr);
+        assert!(refused.stderr.contains(piece), "{command}: {}", refused.stderr);
+    }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use sagnac::allan::angles::Trend;
+use sagnac::analysis::compare::logs::Compared;
 use sagnac::analysis::data_sheet::Intervals;
 use sagnac::analysis::log::{NoiseRequest, Treatment};
 use sagnac::analysis::model::writers::WRITERS;
@@ -267,7 +268,7 @@ impl TwoLogs {
         let logs = [self.options.read(a, files.first())?, self.options.read(b, files.get(1))?];
         let request =
             CompareRequest { treatment: Treatment::AS_RECORDED, fitting: fitting(), limits: vec![] };
-        let sides = [(Path::new(a), &logs[0]), (Path::new(b), &logs[1])];
+        let sides = [(Path::new(a), Compared::Log(&logs[0])), (Path::new(b), Compared::Log(&logs[1]))];
         Reply::of_outcome(&use_cases::compare_logs(sides, &request)?)
     }
 }

@@ -329,7 +329,7 @@ fn twice(units: &[UnitColumn<'_>]) -> Option<[usize; 2]> {
 /// The name of a log without the ending of its file; a record that is no file may have a name with a dot.
 fn stem(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let is_file = ending == "txt" || log::ENDINGS.contains(&ending.as_str());
+    let is_file = ["txt", "toml"].contains(&&*ending) || log::ENDINGS.contains(&ending.as_str());
     let name = if is_file { path.file_stem() } else { path.file_name() };
     name.unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,6 +1,6 @@
 //! The answer of a comparison, its notes, and the words of both.
 
-use crate::analysis::compare::logs::{Analysis, Judged, RatioLimit, Row, Side, Verdict};
+use crate::analysis::compare::logs::{Analysis, Judged, RatioLimit, Row, Side, Subject, Verdict};
 use crate::analysis::compare::{Length, NEAREST, SIGNIFICANT};
 use crate::analysis::log::report::of_column;
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
@@ -154,16 +154,15 @@ impl Analysis {
     fn facts(&self, critical: Option<&Judged>, told: Option<&Row>) -> Vec<Fact> {
         let mut facts = Vec::new();
         let records = |to: String| {
-            let [a, b] = self.sides.each_ref().map(|side| duration(side.log.length_s()));
+            let [a, b] = self.sides.each_ref().map(Side::extent);
             let from = if a == b { a } else { format!("{a} and {b}") };
             let (key, label) = ("length".to_owned(), "records".to_owned());
             Fact::ChangeToDecide { alternatives: vec![Alternative { key, label, from, to }] }
         };
         match critical {
             Some(critical) => {
-                facts.extend(
-                    critical.factor(MAX_FACTOR).map(|factor| records(duration(factor * self.shorter_s()))),
-                );
+                let factor = critical.factor(MAX_FACTOR).filter(|_| self.is_of_logs());
+                facts.extend(factor.map(|factor| records(duration(factor * self.shorter_s()))));
                 facts.extend(critical.why.iter().map(|why| Fact::Caveat { text: why.clone() }));
             }
             None => {
@@ -187,6 +186,16 @@ impl Analysis {
         facts.extend(
             self.rows.as_ref().err().map(|why| Fact::Caveat { text: format!("no coefficients: {why}") }),
         );
+        let curves = || {
+            let sides = self.sides.iter().filter(|_| !self.is_one_record);
+            sides.filter_map(|side| Some((side.curve()?, &side.label)))
+        };
+        let assumed = curves().filter(|(curve, _)| curve.file.is_assumed);
+        facts.extend(assumed.map(|(curve, label)| {
+            Fact::caveat(format!("errors of the points of {label} are assumed: {}", curve.file.errors))
+        }));
+        let independent = "points of curves are taken as independent; their logs would give wider intervals";
+        facts.extend(curves().next().map(|_| Fact::caveat(independent)));
         facts
     }
 }
@@ -194,6 +203,18 @@ impl Analysis {
 /// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
     let mut notes: Vec<String> = analysis.sides.iter().flat_map(of_side).collect();
+    if !analysis.is_of_logs() {
+        notes.push(
+            "the length of records that resolve a difference, and a test of both curves as a whole, follow from samples and are left out"
+                .to_owned(),
+        );
+    }
+    let has_curves = analysis.sides.iter().all(|side| side.subject.column().is_some());
+    if analysis.comparison.ratios.is_empty() && has_curves {
+        notes.push(
+            "the curves have no averaging time in common, and only coefficients are compared".to_owned(),
+        );
+    }
     let common = &analysis.comparison.common;
     if common.farthest > 0.0 {
         notes.push(format!(
@@ -216,8 +237,17 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 }
 
 fn of_side(side: &Side) -> Vec<String> {
-    let notes = side.log.reading.iter().cloned().chain(of_column(side.column(), &side.log));
-    notes.map(|note| format!("{}: {note}", side.label)).collect()
+    let notes: Vec<String> = match &side.subject {
+        Subject::Log(log) => log
+            .reading
+            .iter()
+            .cloned()
+            .chain(log.columns.iter().flat_map(|one| of_column(one, log)))
+            .collect(),
+        Subject::Curve(curve) => curve.notes(),
+        Subject::Stated(stated) => stated.notes(),
+    };
+    notes.into_iter().map(|note| format!("{}: {note}", side.label)).collect()
 }
 
 /// Formats a duration with two digits, such as `31 h`.

@@ -44,7 +44,7 @@ pub(crate) fn by_fits(
     fits: &Fits,
     widening: [f64; 2],
 ) -> Result<Option<Same>, FitError> {
-    let curves = &fits.curves;
+    let Some(curves) = &fits.curves else { return Ok(None) };
     let is_within = |(point, curve): (&Point, &Curve)| {
         let [from_s, to_s] = curve.tau_range();
         (1.0 - NEAREST) * from_s <= point.tau_s && point.tau_s <= (1.0 + 1e-9) * to_s
@@ -191,13 +191,13 @@ pub struct Difference {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fits {
     pub fits: [Fit; 2],
-    /// The fitted curves.
-    pub curves: [Curve; 2],
+    /// The fitted curves, if both are of records.
+    pub curves: Option<[Curve; 2]>,
     pub terms: Vec<Term>,
     /// Terms that at least one record shows if its fit may choose.
-    shown: Vec<Term>,
+    pub(super) shown: Vec<Term>,
     /// Terms that an event of each record explains as well.
-    explained: [Vec<Term>; 2],
+    pub(super) explained: [Vec<Term>; 2],
     /// What the fit and the spectrum of each record show besides its events.
     pub events: [Vec<Event>; 2],
     /// Whether the terms describe the curve of each record; if not, the fit was forced.
@@ -246,7 +246,7 @@ impl Fits {
         let explained = noise.each_ref().map(explained);
         let described = noise.each_ref().map(|one| one.described.is_described);
         let events = noise.map(|one| one.shown);
-        Ok(Fits { fits: [a?, b?], curves, terms, shown, explained, events, described })
+        Ok(Fits { fits: [a?, b?], curves: Some(curves), terms, shown, explained, events, described })
     }
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.
@@ -259,24 +259,28 @@ impl Fits {
         self.explained.iter().any(|terms| terms.contains(&term))
     }
 
-    /// The differences of all quantities of the terms.
+    /// The differences of all quantities of the terms. Of sides that are no records, one may lack a term.
     pub(crate) fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
-        let difference = |quantity| Some(self.difference(quantity, &two(&self.fits, quantity, widening)?));
+        let difference = |quantity| match two(&self.fits, quantity, widening) {
+            Some(two) => Some(self.difference(quantity, &two)),
+            None => self.alone(quantity).filter(|_| self.curves.is_none()),
+        };
         Quantity::all(&self.terms).into_iter().filter_map(difference).collect()
     }
 
-    /// Required lengths of the records for each of `differences`; unknown where the values to distinguish are unknown.
+    /// Required lengths of the records for each of `differences`; unknown where the values to distinguish are unknown, or a side is no
+    /// record.
     pub(crate) fn lengths(&self, differences: &[Difference]) -> Vec<Length> {
         let is_open = |found: &&Difference| {
             found.difference.is_some_and(|difference| difference != 0.0)
                 || found.p.is_some_and(|p| p < SIGNIFICANT)
         };
         let open: Vec<Quantity> = differences.iter().filter(is_open).map(|found| found.quantity).collect();
+        let Some(curves) = &self.curves else { return vec![Length::Unknown; differences.len()] };
         let [a, b] = &self.fits;
-        let from_s = self.curves[0].tau_range()[0].max(self.curves[1].tau_range()[0]);
+        let from_s = curves[0].tau_range()[0].max(curves[1].tau_range()[0]);
         let mut found =
-            power_analysis::needed([&a.process, &b.process], &self.curves, from_s, &self.terms, &open)
-                .into_iter();
+            power_analysis::needed([&a.process, &b.process], curves, from_s, &self.terms, &open).into_iter();
         let of = |difference| match is_open(&difference) {
             true => found.next().unwrap_or(Length::Unknown),
             false => Length::Unknown,
@@ -284,14 +288,31 @@ impl Fits {
         differences.iter().map(of).collect()
     }
 
+    /// The value of a quantity in a fit; `None` where its record does not show it.
+    fn value(&self, i: usize, quantity: Quantity) -> Option<f64> {
+        let (term, _) = quantity.parts();
+        let is_shown = self.shown.contains(&term) && !self.explained[i].contains(&term);
+        quantity.of(self.fits[i].coefficient(term).filter(|_| is_shown)?).0
+    }
+
+    /// A quantity that one side lacks, so that nothing can be compared; `None` where no side shows it.
+    fn alone(&self, quantity: Quantity) -> Option<Difference> {
+        let values = [0, 1].map(|i| self.value(i, quantity));
+        values.iter().any(Option::is_some).then_some(Difference {
+            quantity,
+            values,
+            at_most: [None; 2],
+            difference: None,
+            interval: [None; 2],
+            ratio: None,
+            ratio_interval: [None; 2],
+            p: None,
+        })
+    }
+
     fn difference(&self, quantity: Quantity, two: &Two) -> Difference {
         let (term, _) = quantity.parts();
-        let is_shown = self.shown.contains(&term);
-        let value = |i: usize| {
-            let is_shown = is_shown && !self.explained[i].contains(&term);
-            quantity.of(self.fits[i].coefficient(term).filter(|_| is_shown)?).0
-        };
-        let values = [value(0), value(1)];
+        let values = [0, 1].map(|i| self.value(i, quantity));
         let both = values[0].zip(values[1]);
         let is_there = values.iter().any(Option::is_some) && !self.is_explained(term);
         let finite = |end: f64| (is_there && end.is_finite()).then_some(end);

@@ -125,9 +125,9 @@ const CONFIDENCE: f64 = 0.95;
 /// The averaging factors of two records at common times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
-    /// Factors of the first and of the second record, rising.
+    /// Factors of the first and of the second record, rising; empty where a curve is of no record.
     pub factors: Vec<[usize; 2]>,
-    /// Octaves of the longer step for which the other record has no time within [`NEAREST`].
+    /// Octaves of the longer step, or points of a curve, for which the other has no time within [`NEAREST`].
     pub left_out: usize,
     /// The largest relative difference between two times that count as one; 0 where all are the same.
     pub farthest: f64,
@@ -137,6 +137,11 @@ pub struct Common {
 pub(crate) type Sampling = (f64, usize);
 
 impl Common {
+    /// Common times of curves of which one is of no record, so that they have no factors.
+    pub(crate) fn new_of(left_out: usize, farthest: f64) -> Common {
+        Common { factors: vec![], left_out, farthest: if farthest > SAME { farthest } else { 0.0 } }
+    }
+
     /// The octaves of the record with the longer step, as far as both records extend.
     pub(crate) fn new(a: Sampling, b: Sampling) -> Common {
         let swapped = a.0 < b.0;

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::analysis::batch::labels;
 use crate::analysis::compare::answer::{duration, times};
-use crate::analysis::compare::{Comparison, Difference, Length, NoCommonTime, SIGNIFICANT, compare};
+use crate::analysis::compare::curves::{self, compare_sides};
+use crate::analysis::compare::{Comparison, Difference, Length, NoCommonTime, SIGNIFICANT, Stated, compare};
+use crate::analysis::given_curve;
 use crate::analysis::log::events::{Row as Shown, of_record};
 use crate::analysis::log::{self, Column, Treatment};
 use crate::analysis::requirement::{Judgement, LimitError, Limited, Standing, is_fitted, named, twice};
@@ -12,6 +14,7 @@ use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
 use sagnac_records::events::Events;
 use sagnac_records::fit::{Fitting, Term};
+use sagnac_records::record::curve_file::CurveFile;
 use sagnac_records::record::log::Log;
 use sagnac_report::answer::reading::range;
 
@@ -43,9 +46,28 @@ pub enum CompareError {
     /// The logs have no averaging time in common.
     #[error(transparent)]
     NoCommonTime(#[from] NoCommonTime),
+    /// Both sides are noise files, of which nothing is estimated.
+    #[error(
+        "both sides state coefficients, and nothing is estimated\ncompare a log or a curve with a noise file"
+    )]
+    NothingEstimated,
+    /// A noise file has coefficients alone, and none are asked for.
+    #[error("a noise file has coefficients alone\ngive the terms of a fit, as in `fit = auto`")]
+    NoFit,
 }
 
-/// The complete comparison of two logs.
+/// A side of a comparison, as it was read.
+#[derive(Debug, Clone, Copy)]
+pub enum Compared<'a> {
+    /// A log with one column.
+    Log(&'a Log),
+    /// A curve.
+    Curve(&'a CurveFile),
+    /// Stated coefficients, such as those of a data sheet.
+    Stated(&'a Stated),
+}
+
+/// The complete comparison of two logs, of which one or both may be curves, and one stated coefficients.
 #[derive(Debug)]
 pub struct Analysis {
     /// The logs.
@@ -60,45 +82,119 @@ pub struct Analysis {
     pub rows: Result<Vec<Row>, String>,
 }
 
-/// A log.
+/// A log, or what stands for one.
 #[derive(Debug)]
 pub struct Side {
-    /// The log with its compared column, without curves and coefficients.
-    pub log: log::Analysis,
+    /// What it is.
+    pub subject: Subject,
     /// Label that distinguishes it from the other log.
     pub label: String,
+}
+
+/// What a side of a comparison is.
+#[derive(Debug)]
+pub enum Subject {
+    /// A log with its compared column, without curves and coefficients.
+    Log(log::Analysis),
+    /// A curve with its own fit.
+    Curve(given_curve::Analysis),
+    /// Stated coefficients.
+    Stated(Stated),
+}
+
+impl Subject {
+    /// The path of the file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Subject::Log(log) => &log.path,
+            Subject::Curve(curve) => &curve.path,
+            Subject::Stated(stated) => &stated.path,
+        }
+    }
+
+    /// The compared column; a noise file has none.
+    pub fn column(&self) -> Option<&Column> {
+        match self {
+            Subject::Log(log) => log.columns.first(),
+            Subject::Curve(curve) => Some(&curve.column),
+            Subject::Stated(_) => None,
+        }
+    }
+
+    fn unit(&self) -> Unit {
+        self.column().map_or(Unit::Angular, |column| column.unit)
+    }
 }
 
 impl Side {
     /// A heading such as `lgv1.csv: 32400 samples at 1 Hz, 9 h`.
     pub fn heading(&self) -> String {
-        format!(
-            "{}, {}: {} samples at {} Hz, {}",
-            self.log.path.display(),
-            self.column().name,
-            self.log.samples,
-            significant(1.0 / self.log.step_s, 7),
-            duration(self.log.length_s())
-        )
+        match &self.subject {
+            Subject::Log(log) => format!(
+                "{}, {}: {} samples at {} Hz, {}",
+                log.path.display(),
+                log.columns[0].name,
+                log.samples,
+                significant(1.0 / log.step_s, 7),
+                duration(log.length_s())
+            ),
+            Subject::Curve(curve) => curve.heading(),
+            Subject::Stated(stated) => {
+                format!("{}: stated {}", stated.path.display(), stated.symbols().join(", "))
+            }
+        }
     }
 
-    /// The compared column.
-    pub fn column(&self) -> &Column {
-        &self.log.columns[0]
+    /// The log, if it is one.
+    pub fn log(&self) -> Option<&log::Analysis> {
+        if let Subject::Log(log) = &self.subject { Some(log) } else { None }
     }
 
-    /// The only column of `log`, and its record without events; of several columns, `proposed` names one of each log.
+    /// The curve, if it is one.
+    pub fn curve(&self) -> Option<&given_curve::Analysis> {
+        if let Subject::Curve(curve) = &self.subject { Some(curve) } else { None }
+    }
+
+    /// What it is, in a few words, such as `9 h` of a record.
+    pub(super) fn extent(&self) -> String {
+        match &self.subject {
+            Subject::Log(log) => duration(log.length_s()),
+            Subject::Curve(curve) => format!("{} points of a curve", curve.file.points.len()),
+            Subject::Stated(_) => "stated".to_owned(),
+        }
+    }
+
+    /// The side of `compared`, with the record of a log without its events; of several columns, `proposed` names one of each log.
     fn new(
-        (path, log): (&Path, &Log),
+        (path, compared): (&Path, Compared),
         proposed: &str,
         treatment: &Treatment,
-    ) -> Result<(Side, Events<'static>), CompareError> {
-        let [channel] = &log.channels[..] else {
-            let (path, columns) = (path.to_owned(), names(log).join(", "));
-            return Err(CompareError::Columns { path, columns, proposed: proposed.to_owned() });
+        fitting: Option<&Fitting>,
+    ) -> Result<(Side, Option<Events<'static>>), CompareError> {
+        let (subject, events) = match compared {
+            Compared::Log(log) => {
+                let [channel] = &log.channels[..] else {
+                    let (path, columns) = (path.to_owned(), names(log).join(", "));
+                    return Err(CompareError::Columns { path, columns, proposed: proposed.to_owned() });
+                };
+                let (log, events) = log::Analysis::of_record(log, channel, path, treatment);
+                (Subject::Log(log), Some(events))
+            }
+            Compared::Curve(file) => {
+                (Subject::Curve(given_curve::Analysis::new(file.clone(), path, fitting)), None)
+            }
+            Compared::Stated(stated) => (Subject::Stated(stated.clone()), None),
         };
-        let (log, events) = log::Analysis::of_record(log, channel, path, treatment);
-        Ok((Side { log, label: String::new() }, events))
+        Ok((Side { subject, label: String::new() }, events))
+    }
+
+    /// The side of its comparison, of a log with its record.
+    fn compared<'a>(&'a self, record: &'a Option<Events>) -> Option<curves::Side<'a>> {
+        Some(match &self.subject {
+            Subject::Log(_) => curves::Side::Record(record.as_ref()?),
+            Subject::Curve(curve) => curves::Side::Curve(curve),
+            Subject::Stated(stated) => curves::Side::Stated(stated),
+        })
     }
 }
 
@@ -109,40 +205,57 @@ impl Analysis {
     /// # Errors
     /// The logs have nothing in common to compare.
     pub fn of(
-        logs: [(&Path, &Log); 2],
+        sides: [(&Path, Compared); 2],
         treatment: &Treatment,
         fitting: Option<&Fitting>,
     ) -> Result<Analysis, CompareError> {
-        let mut firsts: Vec<&str> = logs.iter().filter_map(|(_, log)| names(log).first().copied()).collect();
+        if fitting.is_none() && sides.iter().any(|(_, compared)| matches!(compared, Compared::Stated(_))) {
+            return Err(CompareError::NoFit);
+        }
+        let mut firsts: Vec<&str> = sides.iter().filter_map(|(_, compared)| first_name(compared)).collect();
         firsts.dedup();
         let proposed = firsts.join(",");
-        let (mut a, of_a) = Side::new(logs[0], &proposed, treatment)?;
-        let (mut b, of_b) = Side::new(logs[1], &proposed, treatment)?;
-        let unit = a.column().unit;
-        if unit != b.column().unit {
-            let units = [unit, b.column().unit];
-            return Err(CompareError::Units { units, paths: [a.log.path, b.log.path] });
+        let (mut a, of_a) = Side::new(sides[0], &proposed, treatment, fitting)?;
+        let (mut b, of_b) = Side::new(sides[1], &proposed, treatment, fitting)?;
+        let unit = a.subject.unit();
+        if unit != b.subject.unit() {
+            let units = [unit, b.subject.unit()];
+            return Err(CompareError::Units {
+                units,
+                paths: [a, b].map(|side| side.subject.path().to_owned()),
+            });
         }
-        let named = [(&*a.log.path, &*a.column().name), (&*b.log.path, &*b.column().name)];
+        let named = [&a, &b].map(|side| {
+            (side.subject.path(), side.subject.column().map_or("noise", |column| column.name.as_str()))
+        });
         let [label_a, label_b] = match labels(&named, 2).as_deref() {
             Some([a, b]) => [a.clone(), b.clone()],
             _ => ["A", "B"].map(str::to_owned),
         };
         (a.label, b.label) = (label_a, label_b);
-        let comparison = compare(&of_a, &of_b, fitting)?;
+        let comparison = match [a.compared(&of_a), b.compared(&of_b)] {
+            [Some(curves::Side::Record(a)), Some(curves::Side::Record(b))] => compare(a, b, fitting)?,
+            [Some(curves::Side::Stated(_)), Some(curves::Side::Stated(_))] | [None, _] | [_, None] => {
+                return Err(CompareError::NothingEstimated);
+            }
+            [Some(a), Some(b)] => compare_sides([a, b], fitting),
+        };
         let rows = rows(&comparison, unit);
         let is_one_record = is_one_record(&a, &b);
         let mut sides = [a, b];
-        sides[1].log.columns[0].same_as = is_one_record.then(|| sides[0].label.clone());
+        let first = sides[0].label.clone();
         for (record, side) in sides.iter_mut().enumerate() {
-            side.log.columns[0].events.extend_from_slice(comparison.shown(record));
+            let Subject::Log(log) = &mut side.subject else { continue };
+            log.columns[0].events.extend_from_slice(comparison.shown(record));
+            log.columns[0].same_as = (record == 1 && is_one_record).then(|| first.clone());
         }
         Ok(Analysis { unit, is_one_record, comparison, rows, sides })
     }
 
     /// What each record shows besides noise, under its label.
     pub fn events(&self) -> Vec<Shown> {
-        self.sides.iter().flat_map(|side| of_record(&side.log, side.column(), &side.label)).collect()
+        let of = |side: &Side| Some(of_record(side.log()?, side.subject.column()?, &side.label));
+        self.sides.iter().filter_map(of).flatten().collect()
     }
 
     /// The labels of both logs.
@@ -150,15 +263,24 @@ impl Analysis {
         self.sides.each_ref().map(|side| &*side.label)
     }
 
-    /// The treatment of both records.
-    pub fn treatment(&self) -> Treatment {
-        let [a, b] = &self.sides;
-        a.log.treatment.common(b.log.treatment)
+    /// The logs among the sides, with their labels.
+    pub fn logs(&self) -> impl Iterator<Item = (&log::Analysis, &str)> {
+        self.sides.iter().filter_map(|side| Some((side.log()?, &*side.label)))
     }
 
-    /// Length of the shorter record, s.
+    /// The treatment of the records; `None` where no side is a log.
+    pub fn treatment(&self) -> Option<Treatment> {
+        self.logs().map(|(log, _)| log.treatment).reduce(Treatment::common)
+    }
+
+    /// Whether both sides are logs, so that their samples say how long records must be.
+    pub fn is_of_logs(&self) -> bool {
+        self.logs().count() == 2
+    }
+
+    /// Length of the shorter record, s; infinite without records.
     pub fn shorter_s(&self) -> f64 {
-        self.sides[0].log.length_s().min(self.sides[1].log.length_s())
+        self.logs().map(|(log, _)| log.length_s()).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -167,10 +289,22 @@ fn names(log: &Log) -> Vec<&str> {
     log.channels.iter().map(|channel| channel.name.as_str()).collect()
 }
 
+/// The name of the first column of a log.
+fn first_name<'a>(compared: &Compared<'a>) -> Option<&'a str> {
+    if let Compared::Log(log) = compared { names(log).first().copied() } else { None }
+}
+
 fn is_one_record(a: &Side, b: &Side) -> bool {
-    let file = |side: &Side| side.log.path.canonicalize().ok();
+    let file = |side: &Side| side.subject.path().canonicalize().ok();
     let is_one_file = || file(a).is_some_and(|path| Some(path) == file(b));
-    a.column().digest == b.column().digest || (a.column().name == b.column().name && is_one_file())
+    match (&a.subject, &b.subject) {
+        (Subject::Log(_), Subject::Log(_)) => {
+            let [a, b] = [a, b].map(|side| side.subject.column());
+            a.zip(b).is_some_and(|(a, b)| a.digest == b.digest || (a.name == b.name && is_one_file()))
+        }
+        (Subject::Curve(a), Subject::Curve(b)) => a.file.points == b.file.points,
+        _ => false,
+    }
 }
 
 /// A requirement on two logs: the largest accepted ratio of a coefficient, the second log over the first.
@@ -340,7 +474,7 @@ pub enum Verdict {
     Equal,
     /// Neither record shows the quantity.
     Neither,
-    /// An event of a record explains the quantity as well.
+    /// An event of a record explains the quantity as well, or the fit of a curve or a noise file does not have it.
     Explained,
 }
 

@@ -36,18 +36,25 @@
 //! they are least rare together. p, the interval of the difference and that of the ratio follow from this distance, so
 //! p < 5 % exactly where the 95 % interval excludes 0. A square estimated below 0 counts as 0, so p errs towards "no
 //! difference" for terms that a record does not show. A coefficient that an event of a record explains as well is not compared.
+//!
+//! **Curves and data sheets.** A side may be a curve that was read, or stated coefficients ([`Stated`]). Both sides are then fitted over
+//! their own τ. Ratios are those at common τ, and the least p of them times their number tests for equal noise. The length of records
+//! that a difference needs follows from samples, and is left out.
 
 pub mod answer;
+pub(crate) mod curves;
 pub mod equality_test;
 pub(crate) mod estimate;
 pub mod logs;
 pub mod power_analysis;
 pub mod report;
+mod stated;
 
 pub use crate::analysis::compare::equality_test::Same;
 pub use crate::analysis::compare::equality_test::{Difference, MIN_P, SIGNIFICANT};
 pub use crate::analysis::compare::estimate::{Common, NEAREST, Ratio};
 pub use crate::analysis::compare::power_analysis::Length;
+pub use crate::analysis::compare::stated::Stated;
 
 use crate::analysis::compare::equality_test::Fits;
 use crate::analysis::log::model;
@@ -158,8 +165,7 @@ fn of_fits(
 ) -> Result<(Vec<Difference>, Option<Same>, Fits), FitError> {
     let fits = Fits::new(events, asked)?;
     let records = events.map(|events| &*events.without);
-    // A gap costs as much information as the samples missing in it.
-    let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));
+    let widening = records.map(curves::of_gaps);
     let differences = fits.differences(widening);
     let left = |point: &Point, angles: &Angles| {
         point.terms as f64 / Deviation::Oadev.terms(angles.len(), point.m).max(1) as f64

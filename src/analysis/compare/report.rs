@@ -1,8 +1,9 @@
 //! Tables and charts of a comparison.
 
-use crate::analysis::compare::answer::{duration, times};
-use crate::analysis::compare::logs::{Analysis, Row, Side, Verdict};
+use crate::analysis::compare::answer::times;
+use crate::analysis::compare::logs::{Analysis, Row, Verdict};
 use crate::analysis::compare::{Length, Ratio};
+use crate::analysis::given_curve;
 use crate::analysis::log::figures::{along, line, points};
 use crate::analysis::log::records::Record;
 use crate::analysis::log::report::text;
@@ -28,9 +29,9 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<Line<'a, Ratio>>> {
     vec![
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.found.tau_s()))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("m_a", Unit::NONE, "m of A", |row| Cell::Integer(row.found.points[0].m as i64))
+        Of::new("m_a", Unit::NONE, "m of A", |row| factor(row.found, 0))
             .is(Role::Count, "Averaging time in samples of A."),
-        Of::new("m_b", Unit::NONE, "m of B", |row| Cell::Integer(row.found.points[1].m as i64))
+        Of::new("m_b", Unit::NONE, "m of B", |row| factor(row.found, 1))
             .is(Role::Count, "Averaging time in samples of B."),
         Of::new("a", Unit::NONE, "A", |row| row.found.points[0].value.into())
             .is(Role::Error, "Overlapping Allan deviation of A, in `unit`."),
@@ -51,6 +52,14 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<Line<'a, Ratio>>> {
         log_a(),
         log_b(),
     ]
+}
+
+/// The averaging factor of a side; a curve that was read has none.
+fn factor(ratio: &Ratio, side: usize) -> Cell {
+    match ratio.points[side].m {
+        0 => Cell::Blank,
+        m => Cell::Integer(m as i64),
+    }
 }
 
 /// The table of all ratios, `compare.csv`.
@@ -84,7 +93,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a, Row>>> {
         Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.found.length).into())
             .is(Role::Estimate, "Length of records, s, that resolves such a difference with 90 % power."),
         Of::new("status", Unit::NONE, "status", |row| text(&row.found.verdict().text(row.logs[1])))
-            .is(Role::Note, "`consistent`, `equal`, `in neither record`, `not compared` if an event of a record explains it as well, or the label of B with \
+            .is(Role::Note, "`consistent`, `equal`, `in neither record`, `not compared` if a side lacks it or an event explains it as well, or the label of B with \
                 `higher` or `lower`, as in `after higher`."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.found.found.ratio.into())
             .is(Role::Estimate, "Value of B divided by that of A."),
@@ -157,9 +166,9 @@ fn beyond(length: Length) -> Option<f64> {
     if let Length::Beyond(length_s) = length { Some(length_s) } else { None }
 }
 
-/// The records of both logs: `records.csv`.
+/// The records of the logs: `records.csv`.
 pub fn records(analysis: &Analysis) -> Table {
-    records::table(analysis.sides.iter().map(|Side { log, label }| Record {
+    records::table(analysis.logs().map(|(log, label)| Record {
         mean: None,
         slope: None,
         ..Record::new(log, &log.columns[0], label)
@@ -172,6 +181,11 @@ const TIME: &str = "averaging time τ";
 /// Range of ratios below which the axis is linear.
 const NARROW: f64 = 3.0;
 
+/// The kind of the deviations: that of records is overlapping, a curve may be another.
+fn of_allan(analysis: &Analysis) -> &'static str {
+    if analysis.is_of_logs() { "Overlapping Allan" } else { "Allan" }
+}
+
 /// The chart of both curves.
 pub fn curves(analysis: &Analysis) -> Figure {
     let labels = analysis.labels();
@@ -181,7 +195,7 @@ pub fn curves(analysis: &Analysis) -> Figure {
         Series { colour, dash: 0, points, law: fits[colour].clone() }
     };
     Figure {
-        title: format!("Overlapping Allan deviations of {} and {}", labels[0], labels[1]),
+        title: format!("{} deviations of {} and {}", of_allan(analysis), labels[0], labels[1]),
         subtitle: Some(subtitle(analysis)),
         x: Axis::new(TIME, "s"),
         y: Axis::new("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
@@ -206,7 +220,10 @@ pub fn ratio(analysis: &Analysis) -> Figure {
     let y = of_ratios("ratio of the deviations", ends);
     let law = of_fits(&fits(analysis).unwrap_or_default());
     Figure {
-        title: format!("{b} over {a}: ratio of overlapping Allan deviations"),
+        title: format!(
+            "{b} over {a}: ratio of {} deviations",
+            of_allan(analysis).replace("Overlapping", "overlapping")
+        ),
         subtitle: Some(found(analysis)),
         x: Axis::new(TIME, "s"),
         y,
@@ -230,13 +247,16 @@ pub(crate) fn of_ratios(label: &str, ratios: impl Iterator<Item = f64>) -> Axis 
 /// A line by its points.
 type ChartLine = Vec<(f64, f64)>;
 
-/// The curves of the fits of both records over the τ on which they were fitted.
+/// The curves of the fits of both sides over the τ on which they were fitted.
 fn fits(analysis: &Analysis) -> Option<[ChartLine; 2]> {
     let fits = analysis.comparison.fits()?;
-    Some([0, 1].map(|i| {
-        let points = figures::described(&fits[i], &analysis.comparison.curves[i]);
-        let longest = points.partition_point(|point| point.tau_s < 1.01 * fits[i].tau_range[1]);
-        line(&fits[i].process, Deviation::Oadev, &points[..longest], analysis.sides[i].log.samples)
+    Some([0, 1].map(|i| match analysis.sides[i].log() {
+        Some(log) => {
+            let points = figures::described(&fits[i], &analysis.comparison.curves[i]);
+            let longest = points.partition_point(|point| point.tau_s < 1.01 * fits[i].tau_range[1]);
+            line(&fits[i].process, Deviation::Oadev, &points[..longest], log.samples)
+        }
+        None => given_curve::line(&fits[i].process.parts, fits[i].tau_range),
     }))
 }
 
@@ -250,11 +270,10 @@ fn measured(fit: &ChartLine) -> String {
     if fit.is_empty() { String::new() } else { "measured".to_owned() }
 }
 
-/// The lengths of both records and their treatment.
+/// What both sides are, and the treatment of records.
 fn subtitle(analysis: &Analysis) -> String {
-    let of =
-        |i: usize| format!("{}: {}", analysis.sides[i].label, duration(analysis.sides[i].log.length_s()));
-    format!("{}; {}; {}", of(0), of(1), analysis.treatment().summary())
+    let sides = analysis.sides.iter().map(|side| format!("{}: {}", side.label, side.extent()));
+    sides.chain(analysis.treatment().map(|treatment| treatment.summary())).collect::<Vec<_>>().join("; ")
 }
 
 /// The verdicts in a few words.
@@ -277,6 +296,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::analysis::compare::logs::Compared;
     use crate::analysis::log::Treatment;
     use sagnac_records::fit::{Term, Terms};
     use sagnac_records::record::log::Log;
@@ -291,7 +311,7 @@ mod tests {
         };
         let (a, b) = (log(1), log(2));
         let fitting = Terms::Given(vec![Term::AngleRandomWalk]).into();
-        let logs = [(Path::new("a.csv"), &a), (Path::new("b.csv"), &b)];
+        let logs = [(Path::new("a.csv"), Compared::Log(&a)), (Path::new("b.csv"), Compared::Log(&b))];
         let analysis = Analysis::of(logs, &Treatment::AS_RECORDED, Some(&fitting)).unwrap();
         for (series, fit) in curves(&analysis).series.iter().zip(analysis.comparison.fits().unwrap()) {
             let [from_s, to_s] = fit.tau_range;

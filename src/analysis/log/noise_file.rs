@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use sagnac_base::quantity::number::significant;
+use sagnac_engine::noise::Noise;
 use sagnac_records::allan::Unit;
 use sagnac_records::fit::Coefficient;
-use sagnac_theory::allan::Term;
 use sagnac_theory::allan::terms::Shape;
+use sagnac_theory::allan::{Part, Term};
 
 use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::report::one_line;
@@ -146,6 +147,16 @@ pub struct Intervals {
     pub known: Vec<(Term, [f64; 2])>,
     /// Symbols of the coefficients that were not identified.
     pub unknown: Vec<&'static str>,
+}
+
+/// The noise of a noise.toml at rest, with that of its readout and of its switches.
+pub(crate) fn parts_of(noise: &Noise) -> Vec<Part> {
+    let mut parts = noise.process(1.0, 1 << 20).parts;
+    let lsb = noise.readout_lsb / libm::sqrt(12.0);
+    parts.extend((lsb > 0.0).then(|| Part::quantization(lsb)));
+    let residual = noise.switching.map_or(0.0, |switching| switching.residual_density());
+    parts.extend((residual > 0.0).then(|| Part::angle_random_walk(libm::sqrt(residual))));
+    parts
 }
 
 /// The intervals in the comments of a noise.toml; none where others wrote it.

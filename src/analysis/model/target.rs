@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::analysis::given_curve;
 use crate::analysis::log::events::{Row, of_column};
-use crate::analysis::log::noise_file::{Intervals, intervals_of};
+use crate::analysis::log::noise_file::{Intervals, intervals_of, parts_of};
 use crate::analysis::log::report::heading;
 use crate::analysis::log::{self, report};
 use crate::analysis::model::{ModelError, ModelRequest, Quantization};
@@ -308,11 +308,8 @@ fn of_noise(
         return Err(ModelError::Order { from_s, to_s });
     }
     let Intervals { known: ends, unknown } = intervals_of(text);
-    let mut parts = noise.process(1.0, 1 << 20).parts;
-    let lsb = noise.readout_lsb / libm::sqrt(12.0);
-    parts.extend((lsb > 0.0).then(|| Part::quantization(lsb)));
+    let mut parts = parts_of(noise);
     let residual = noise.switching.map_or(0.0, |switching| switching.residual_density());
-    parts.extend((residual > 0.0).then(|| Part::angle_random_walk(libm::sqrt(residual))));
     let is_warm_up = |part: &Part| allan::continuous_variance(part, from_s).is_none();
     let left_out = parts.iter().any(is_warm_up);
     parts.retain(|part| !is_warm_up(part));

@@ -2,7 +2,7 @@
 
 use crate::analysis::batch::{self, Batch, Coefficient, Found};
 use crate::analysis::compare::answer::notes;
-use crate::analysis::compare::logs::{Analysis, Side};
+use crate::analysis::compare::logs::{Analysis, Side, Subject};
 use crate::analysis::compare::report;
 use crate::analysis::log::events;
 use crate::analysis::page::record::{self, Source};
@@ -15,49 +15,71 @@ use sagnac_report::answer::reading::capitalized;
 use sagnac_report::chart::Picture;
 use sagnac_report::page::{Block, Cell, Grid, Page, Section};
 
-/// The page of two logs from their comparison and the decision to which it leads.
-pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
+/// The page of two logs, curves or stated coefficients from their comparison and the decision to which it leads; `logs` are those
+/// sides that are logs.
+pub fn of_comparison(logs: [Option<&Log>; 2], analysis: &Analysis, decision: &Decision) -> Page {
     let [a, b] = analysis.labels();
-    let figures = [("chart-1", report::curves(analysis)), ("chart-2", report::ratio(analysis))];
-    let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
     let ratios = report::ratios(analysis);
-    let title = titled("overlapping Allan deviations", analysis.unit.symbol(Deviation::Oadev));
-    let of_ratios = Block::More(title, grid(&ratios, &["m_a", "m_b", "unit", "log_a", "log_b"]));
-    let deviations = charts.into_iter().chain([of_ratios]);
+    let ratio = (ratios.rows() > 0).then(|| ("chart-2", report::ratio(analysis)));
+    let figures = std::iter::once(("chart-1", report::curves(analysis))).chain(ratio);
+    let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
+    let kind = if analysis.is_of_logs() { "overlapping Allan deviations" } else { "Allan deviations" };
+    let title = titled(kind, analysis.unit.symbol(Deviation::Oadev));
+    let of_ratios = (ratios.rows() > 0)
+        .then(|| Block::More(title, grid(&ratios, &["m_a", "m_b", "unit", "log_a", "log_b"])));
+    let deviations = charts.chain(of_ratios);
     let coefficients = report::coefficients(analysis);
     let omitted = ["length_beyond", "described", "log_a", "log_b"];
     let of_fits = (coefficients.rows() > 0).then(|| Block::Grid(grid(&coefficients, &omitted)));
     let shows = analysis.events();
     let treatment = analysis.treatment();
-    let sources = [0, 1].map(|i| {
-        let (Side { log: analysis, label }, log) = (&analysis.sides[i], logs[i]);
-        Source { name: label, log, channel: &log.channels[0], analysis, column: &analysis.columns[0] }
+    let source = analysis.sides.iter().zip(logs).filter_map(|(side, log)| {
+        let (analysis, log) = (side.log()?, log?);
+        let (channel, column) = (log.channels.first()?, analysis.columns.first()?);
+        Some(Source { name: &side.label, log, channel, analysis, column })
     });
+    let sources: Vec<Source> = source.collect();
+    let records = treatment.map(|treatment| {
+        record::section("Records", &sources, "records", treatment.lines(analysis.shorter_s()))
+    });
+    let summary = treatment.map(|treatment| format!(" {}", capitalized(&treatment.summary())));
+    let tables = [
+        analysis.rows.is_ok().then_some(("coefficients.csv", coefficients)),
+        (analysis.is_of_logs() || ratios.rows() > 0).then_some(("compare.csv", ratios)),
+        treatment.map(|_| ("events.csv", events::table_of(&shows))),
+        treatment.map(|_| ("records.csv", report::records(analysis))),
+    ];
     Page {
         title: format!("{a} and {b} compared"),
         scope: String::new(),
-        subtitle: format!("Is {b} noisier than {a}? {}", capitalized(&treatment.summary())),
+        subtitle: format!("Is {b} noisier than {a}?{}", summary.unwrap_or_default()),
         answer: decision.answer.clone(),
         notes: notes(analysis),
-        sections: vec![
+        sections: [
             Section::new("deviations", "Deviations", deviations),
             Section::new("coefficients", "Coefficients", of_fits),
             shown("What these records show", &shows),
-            record::section("Records", &sources, "records", treatment.lines(analysis.shorter_s())),
-        ],
-        tables: analysis
-            .rows
-            .is_ok()
-            .then_some(("coefficients.csv", coefficients))
-            .into_iter()
-            .chain([
-                ("compare.csv", ratios),
-                ("events.csv", events::table_of(&shows)),
-                ("records.csv", report::records(analysis)),
-            ])
-            .chain(decision.file())
-            .collect(),
+        ]
+        .into_iter()
+        .chain(records)
+        .chain(others(analysis))
+        .collect(),
+        tables: tables.into_iter().flatten().chain(decision.file()).collect(),
     }
+}
+
+/// The section on the sides that are no logs; `None` without such.
+fn others(analysis: &Analysis) -> Option<Section> {
+    let curves = analysis.sides.iter().filter_map(|side| Some((side, side.curve()?)));
+    let curves: Vec<String> =
+        curves.map(|(side, curve)| format!("{}; errors: {}", side.heading(), curve.file.errors)).collect();
+    let is_stated = |side: &&Side| matches!(side.subject, Subject::Stated(_));
+    let stated: Vec<String> = analysis.sides.iter().filter(is_stated).map(Side::heading).collect();
+    let facts: Vec<_> = [("Curve", curves), ("Noise file", stated)]
+        .into_iter()
+        .filter(|(_, lines)| !lines.is_empty())
+        .collect();
+    (!facts.is_empty()).then(|| Section::new("given", "Curves and noise files", [Block::Facts(facts)]))
 }
 
 /// The page of a batch of units with the decision to which it leads.
