@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::{self, one_of};
 use crate::failure::Failure;
-use crate::output::save;
-use crate::output::{Output, print_documents, write_new};
+use crate::given::Given;
+use crate::output::{Output, print_documents, save, write_new};
 use crate::reading::{Reading, seconds};
 use clap::Args;
 use clap::builder::TypedValueParser;
@@ -32,7 +32,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
         if let Some(curve) = options.reading.curve(path, Some(options.confidence))? {
-            options.check_curve(path)?;
+            options.given.check_curve(path)?;
             let fitting = allan.noise.fitting.as_ref();
             let outcome = use_cases::fit_curve(curve, path, fitting, &allan.limits)?;
             documents.extend(options.output.finish(&outcome, folder, [path.as_path()], &[])?);
@@ -131,6 +131,8 @@ Units tell gyros from accelerometers; without --column all columns whose units f
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
+    #[command(flatten)]
+    given: Given,
     /// Logs, or curves
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -189,7 +191,7 @@ impl Options {
     /// # Errors
     /// The limits do not fit the fit, or there is no fit where one is needed.
     pub fn request(&self) -> Result<AllanRequest, Failure> {
-        let Segments { length_s, trend } = self.segments;
+        let Segments { segment: length_s, segment_detrend: trend } = self.segments;
         let limit = self.position_limit;
         let request = AllanRequest {
             treatment: self.reading.treatment(),
@@ -233,18 +235,6 @@ impl Options {
         Ok(())
     }
 
-    /// Checks that nothing is asked for that only a log has.
-    fn check_curve(&self, path: &Path) -> Result<(), Failure> {
-        let asked = [
-            (self.record.is_some(), "--record"),
-            (self.dynamic.is_some(), "--dynamic"),
-            (self.navigate.is_some(), "--navigate"),
-        ];
-        let Some((_, option)) = asked.into_iter().find(|(is_asked, _)| *is_asked) else { return Ok(()) };
-        let message = format!("{option} needs a log, and {} is a curve\nleave it out", path.display());
-        Err(Failure::Usage(message))
-    }
-
     /// Checks that the record can be written.
     pub fn check_record(&self, log: &Log) -> Result<(), Failure> {
         if self.record.is_none() {
@@ -265,17 +255,17 @@ impl Options {
 pub struct Segments {
     /// Length of the segments of spectra, as in "100 s": longer ones resolve lower frequencies, shorter ones narrow the intervals
     /// [default: an eighth of the record, at most 16384 samples]
-    #[arg(help_heading = "Spectrum", long = "segment", value_name = "TIME", value_parser = seconds)]
-    length_s: Option<f64>,
+    #[arg(help_heading = "Spectrum", long, value_name = "TIME", value_parser = seconds)]
+    segment: Option<f64>,
     /// What to remove from each segment: its mean (constant), or its straight line (linear)
     #[arg(
         help_heading = "Spectrum",
-        long = "segment-detrend",
+        long,
         value_name = "TREND",
         default_value = "constant",
         value_parser = trend()
     )]
-    trend: Trend,
+    segment_detrend: Trend,
 }
 
 fn trend() -> impl TypedValueParser<Value = Trend> {

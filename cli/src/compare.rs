@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
+use crate::given::Given;
 use crate::output::{Output, print_documents};
 use crate::reading::Reading;
 use clap::Args;
@@ -36,6 +37,8 @@ units and rates.";
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
+    #[command(flatten)]
+    given: Given,
     /// Two logs, curves or a noise file; or the logs of a batch of units
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -94,6 +97,11 @@ fn pair(options: &Options, files: [&Path; 2]) -> Result<(), Failure> {
     let request = CompareRequest { treatment: reading.treatment(), fitting: reading.fitting(), limits };
     request.check()?;
     let sides = sides(reading, files)?;
+    if !sides.iter().any(|side| matches!(side, Read::Log(_)))
+        && let Some((path, _)) = files.iter().zip(&sides).find(|(_, side)| matches!(side, Read::Curve(_)))
+    {
+        options.given.check_curve(path)?;
+    }
     let outcome = compare_logs([0, 1].map(|i| (files[i], sides[i].compared())), &request)?;
     let [first, second] = files.map(|path| path.file_stem().unwrap_or_default().to_string_lossy());
     let folder = options.output.folder(format!("{first}_vs_{second}"));

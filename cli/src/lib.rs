@@ -29,6 +29,7 @@ mod failure;
 mod filler;
 mod folders;
 mod generate;
+mod given;
 mod look;
 mod merge;
 mod model;

@@ -13,6 +13,7 @@ use sagnac_base::quantity::{Dimension, parse};
 use crate::allan::probability;
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
+use crate::given::Given;
 use crate::output::{Output, print_documents};
 use crate::reading::{Reading, seconds};
 
@@ -35,6 +36,8 @@ deviation lies within the 95 % band of the record, with --overbound nowhere belo
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
+    #[command(flatten)]
+    given: Given,
     /// Recorded log, curve, or noise.toml
     #[arg(value_name = "FILE")]
     file: PathBuf,
@@ -64,8 +67,8 @@ pub struct Options {
     #[arg(help_heading = "Model", long, value_name = "RATE", value_parser = rate)]
     filter_rate: Option<f64>,
     /// Probability of the band
-    #[arg(help_heading = "Model", long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
-    confidence: f64,
+    #[arg(help_heading = "Model", long = "confidence", value_name = "P", default_value_t = 0.95, value_parser = probability)]
+    band_confidence: f64,
     #[command(flatten)]
     output: Output,
     /// Also write files for tools: all, or one or more of kalibr, allan_variance_ros, openvins, matlab, navego, psins, gtsam_cpp,
@@ -110,7 +113,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
         states: options.states,
         quantization: options.quantization,
         filter_hz: options.filter_rate,
-        confidence: options.confidence,
+        confidence: options.band_confidence,
         treatment: reading.treatment(),
         fitting: reading.fitting(),
         writers: options.write.clone().unwrap_or_default(),
@@ -118,6 +121,9 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     let is_noise = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     // The options of logs mean nothing for a noise.toml.
     let curve = if is_noise { None } else { reading.curve(path, None)? };
+    if curve.is_some() {
+        options.given.check_curve(path)?;
+    }
     let log = if is_noise || curve.is_some() { None } else { Some(reading.read(path, &reading.request()?)?) };
     let source = match (&curve, &log) {
         (Some(curve), _) => ModelSource::Curve(curve, path),

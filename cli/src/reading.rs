@@ -277,6 +277,11 @@ impl Reading {
         if self.is_of_log() || !CurveFile::is_one(path) {
             return Ok(None);
         }
+        if self.column.len() > 1 || self.unit.len() > 1 {
+            let list = if self.column.len() > 1 { "--column" } else { "--unit" };
+            let message = format!("{list} has several values, and {} is one curve\ngive one", path.display());
+            return Err(Failure::Usage(message));
+        }
         let (column, unit) = (self.column.first(), self.unit.first());
         self.curve_with(path, confidence, column, unit).map(Some)
     }

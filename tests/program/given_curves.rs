@@ -70,6 +70,13 @@ fn what_a_curve_cannot_give_is_said() {
     for (command, code, piece) in [
         ("allan curve.csv", 3, "`adev` has no unit"),
         ("allan curve.csv --unit deg/h --dynamic", 2, "--dynamic needs a log"),
+        ("allan curve.csv --unit deg/h --skip 30min", 2, "--fit-from and --fit-to"),
+        ("allan curve.csv --unit deg/h --tau 1,10", 2, "--tau needs a log"),
+        ("allan curve.csv --unit deg/h --segment 10s", 2, "--segment needs a log"),
+        ("allan curve.csv --unit deg/h --column adev,low", 2, "--column has several values"),
+        ("model curve.csv --unit deg/h --remove-events", 2, "--remove-events needs a log"),
+        ("model curve.csv --unit deg/h --confidence 0.9", 2, "--confidence needs a log"),
+        ("compare curve.csv curve.csv --unit deg/h --temperature t", 2, "--temperature needs a log"),
         ("compare curve.csv curve.csv curve.csv --unit deg/h", 2, "a batch is of logs"),
         ("allan curve.csv --unit deg/h --curve-interval 200%", 2, "not between 0 and 100 %"),
     ] {
