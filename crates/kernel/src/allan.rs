@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use crate::curve::{Chunk, Curve, MAX_LANES, Recorded, Source};
 use crate::noise::Noise;
-use crate::philox::{Address, schedule};
+use crate::philox::{Address, Purpose};
 use crate::recipe::{CHUNK, Recipe, STREAMS};
 use crate::sealed::Sealed;
 use crate::shader::{Part, Shader, Variant, constants};
 use crate::width::Width;
-use crate::word::{Scalar, Word};
+use crate::word::Word;
 use crate::{Form, part};
 
 constants!(STATE_WORDS, HOLD_WORDS);
@@ -105,18 +105,29 @@ impl Recipe {
     ///
     /// # Panics
     /// The recipe does not [fit](Recipe::fits).
-    pub fn angles(&self, number: u64) -> impl Iterator<Item = u32> {
+    pub fn angles(&self, number: u64) -> impl Iterator<Item = u32> + use<> {
         self.assert_fits();
-        let keys = schedule(self.key.map(Scalar)).map(|key| key.map(|word| word.0));
-        let mut noise = self.begin(Address { low: Scalar(number as u32), high: (number >> 32) as u32, keys });
+        let recipe = self.clone();
+        let mut noise = recipe.begin(Address::new(recipe.key, number));
         let mut chunk: Chunk = [0; MAX_LANES * CHUNK];
-        let angles = self.samples as usize + 1;
+        let angles = recipe.samples as usize + 1;
         let chunks = (0..angles).step_by(CHUNK).flat_map(move |first| {
-            self.chunk(&mut noise, first, &mut chunk);
+            recipe.chunk(&mut noise, first, &mut chunk);
             let (words, _) = chunk.as_chunks::<CHUNK>();
             words[0]
         });
         chunks.take(angles)
+    }
+
+    /// The angles before whole pulses are read, as [`Recipe::angles`] gives them, and the angle in a pulse at which the reading
+    /// starts.
+    ///
+    /// # Panics
+    /// The recipe does not [fit](Recipe::fits).
+    pub fn unread_angles(&self, number: u64) -> (impl Iterator<Item = u32> + use<>, u32) {
+        let start = Address::new(self.key, number).draw(Purpose::RecordStart, 0)[0].0;
+        let within = self.pulse.map_or(0, |bits| start & ((1 << bits) - 1));
+        (Recipe { pulse: None, ..self.clone() }.angles(number), within)
     }
 
     /// Adds the noise to a shader: its files, sizes and options, and its parameters, which `fields` follow.

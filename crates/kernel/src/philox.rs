@@ -37,7 +37,7 @@ purposes! {
         /// Noise of the ticks before the gap, counted outward from it: tick 0, −1, −2, …; four to a block.
         NoiseBefore = 0,
         /// Words 0 and 1: noise of the ticks after the gap, counted outward from it: tick n+1, n+2, …; words 2 and 3:
-        /// phases of the tones. With two of each to a block, the usual trial takes two blocks instead of three.
+        /// phases of the tones, also of a simulated record. With two of each to a block, the usual trial takes two blocks instead of three.
         NoiseAfterAndPhase = 1,
         /// A block for each tone: word 0 its amplitude, together with word 1 where that is Rayleigh-distributed; word 2
         /// its frequency.
@@ -50,7 +50,8 @@ purposes! {
         GaussianGap = 5,
         /// Gaussian motion of the ticks before the gap, counted outward from it; four to a block.
         GaussianBefore = 6,
-        /// Gaussian motion of the ticks after the gap, counted outward from it; four to a block.
+        /// Gaussian motion of the ticks after the gap, counted outward from it; in a simulated record, the white numbers of
+        /// its Gaussian motion, sample by sample. Four to a block.
         GaussianAfter = 7,
         /// Start of a record: word 0 its readout, word 1 the phase of its sine, word 2 its Markov noise before the
         /// first sample.
@@ -105,6 +106,14 @@ pub struct Address<W> {
     pub high: u32,
     /// Round keys of the point.
     pub keys: Keys,
+}
+
+impl Address<Scalar> {
+    /// The address of a single trial of the point with the key `key`.
+    pub fn new(key: [u32; 2], number: u64) -> Address<Scalar> {
+        let keys = schedule(key.map(Scalar)).map(|key| key.map(|word| word.0));
+        Address { low: Scalar(number as u32), high: (number >> 32) as u32, keys }
+    }
 }
 
 impl<W: Word> Address<W> {

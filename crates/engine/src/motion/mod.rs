@@ -1,6 +1,8 @@
 //! The motion of the base at one point, in ″ and s: tones, vibration through the suspension, and recorded motion.
 
+mod filter;
 pub mod keys;
+pub mod record;
 
 use std::f64::consts::TAU;
 use std::sync::{Arc, Weak};
@@ -239,6 +241,17 @@ impl Gaussian {
             Gaussian::Band { band, .. } => Some(band.high_hz),
             Gaussian::Psd(psd) => psd.points().last().map(|point| point[0]),
             Gaussian::Vibration { .. } => None,
+        }
+    }
+
+    /// Its lowest and its highest frequency, Hz.
+    pub(crate) fn frequencies_hz(&self) -> [f64; 2] {
+        match self {
+            Gaussian::Band { band, .. } => [band.low_hz, band.high_hz],
+            Gaussian::Psd(psd) | Gaussian::Vibration { acceleration: psd, .. } => {
+                let points = psd.points();
+                [points[0][0], points[points.len() - 1][0]]
+            }
         }
     }
 

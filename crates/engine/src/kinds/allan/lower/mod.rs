@@ -16,15 +16,20 @@ use crate::key::Unrepresentable;
 use crate::kinds::allan::lower::fixed::Fixed;
 pub use crate::kinds::allan::lower::theory::Theory;
 use crate::kinds::gap_fill::lower::words_of;
+use crate::motion::record::{MOTION_BITS, MOTION_UNITS};
 use crate::tally::Id;
 use sagnac_kernel::allan;
 use sagnac_kernel::recipe::{Level, Recipe};
-use sagnac_theory::allan::terms::{Row, Source};
+use sagnac_theory::allan::terms::{Row, Source, Term};
 use sagnac_theory::allan::{Difference, Estimator, Part, Process, flicker};
 use sagnac_theory::drift::Switching;
 
-/// Samples of the longest record, whose drift takes 4 bytes per sample.
+/// Samples of the longest record of a study, whose drift takes 4 bytes per sample.
 pub const MAX_SAMPLES: u64 = 1 << 26;
+
+/// Samples of the longest record that is made sample by sample. One that is longer than those of studies has room for their differences
+/// only: its angles wrap over longer times.
+pub const MAX_MADE: u64 = (1 << 31) - 64;
 
 /// A request for records.
 #[derive(Debug, Clone)]
@@ -100,9 +105,28 @@ impl Records {
     /// # Errors
     /// The noise model cannot be represented; see [`Unrepresentable`].
     pub fn new(asked: &Asked) -> Result<Records, Unrepresentable> {
+        Records::up_to(MAX_SAMPLES, asked)
+    }
+
+    /// Lowers a noise model for records of up to [`MAX_MADE`] samples, of which [`Records::increments`] are taken.
+    ///
+    /// # Errors
+    /// It fails where [`Records::new`] does, and for noise that long records cannot have: what takes an angle for each sample, and
+    /// bias instability beyond 2^27 samples.
+    pub fn of_any_length(asked: &Asked) -> Result<Records, Unrepresentable> {
+        let has_flicker = asked.process.parts.iter().any(|part| part.term == Term::BiasInstability);
+        if has_flicker && flicker::octaves(asked.samples).is_none() {
+            let found = format_args!("a record of {} samples is too long for it", asked.samples);
+            let help = "take up to 2^27 samples: 134217728";
+            return Err(Unrepresentable::new("noise.bias_instability", found, help));
+        }
+        Records::up_to(MAX_MADE, asked)
+    }
+
+    fn up_to(most: u64, asked: &Asked) -> Result<Records, Unrepresentable> {
         let Asked { samples, estimator, ms, .. } = *asked;
-        if !(2..=MAX_SAMPLES).contains(&samples) {
-            return Err(too_long(samples));
+        if !(2..=most).contains(&samples) {
+            return Err(too_long(samples, most));
         }
         let terms: Vec<u64> = ms.iter().map(|&m| estimator.terms(samples, m)).collect();
         if ms.is_empty() {
@@ -119,6 +143,13 @@ impl Records {
         }
         let model = Model::new(asked)?;
         let fixed = Fixed::new(&model)?;
+        if samples > MAX_SAMPLES && (model.is_curved() || fixed.rate != 0) {
+            let found = format_args!(
+                "a record of {samples} samples is too long for a ramp, a warm-up, an alternating drift or a constant rate in pulses"
+            );
+            let help = "take up to 2^26 samples: 67108864; a rate and an acceleration can be a motion";
+            return Err(Unrepresentable::new("noise", found, help));
+        }
         let (levels, places) = levels(estimator, ms);
         let recipe = Recipe {
             key: asked.key,
@@ -191,19 +222,41 @@ impl Records {
     /// The angles between the samples of the record `number`, ″, in their order. They contain the constant rate, and their
     /// variances are those of the record's sums.
     pub fn increments(&self, number: u64) -> impl Iterator<Item = f64> {
-        // Angles wrap: beside the whole LSB of the rate of a readout, their differences are small.
-        let (whole, omitted) = match self.fixed.pulse {
-            Some(_) => (libm::round(self.constant_rate / self.fixed.lsb_arcsec), 0.0),
-            None => (0.0, self.constant_rate),
-        };
-        let wrapped = whole as i128 as u32;
-        let mut angles = self.recipe.angles(number);
-        let mut before = angles.next().unwrap_or_default();
-        angles.map(move |angle| {
-            let beside = angle.wrapping_sub(before).wrapping_sub(wrapped) as i32;
-            before = angle;
-            (whole + f64::from(beside)) * self.fixed.lsb_arcsec + omitted
+        let (whole, omitted) = self.constant();
+        let steps = steps(self.recipe.angles(number), whole);
+        steps.map(move |step| step as f64 * self.fixed.lsb_arcsec + omitted)
+    }
+
+    /// The angles of [`Records::increments`] for a gyro that also turns by the angles `turned` in each sample, in
+    /// 2^−[`MOTION_BITS`] of the unit of angle. Whole pulses are those of the sum, which is exact.
+    pub fn turned_increments(
+        &self,
+        number: u64,
+        turned: impl Iterator<Item = i128>,
+    ) -> impl Iterator<Item = f64> {
+        let (whole, omitted) = self.constant();
+        let (angles, start) = self.recipe.unread_angles(number);
+        let pulse = self.fixed.pulse;
+        let unit = self.fixed.lsb_arcsec;
+        let (mut angle, mut read) = (i128::from(start) << MOTION_BITS, 0);
+        steps(angles, whole).zip(turned).map(move |(step, turned)| {
+            let step = (step << MOTION_BITS) + turned;
+            let Some(bits) = pulse else {
+                return step as f64 * (unit / MOTION_UNITS) + omitted;
+            };
+            angle += step;
+            let before = std::mem::replace(&mut read, angle >> (MOTION_BITS + bits));
+            ((read - before) << bits) as f64 * unit
         })
+    }
+
+    /// The constant rate in whole units of angle per sample where whole pulses are read, from which angles that wrap differ
+    /// little, and ″ per sample otherwise.
+    fn constant(&self) -> (i128, f64) {
+        match self.fixed.pulse {
+            Some(_) => (libm::round(self.constant_rate / self.fixed.lsb_arcsec) as i128, 0.0),
+            None => (0, self.constant_rate),
+        }
     }
 
     /// The estimates of one record, (″/s)², for each averaging factor, from its sums as the kernel returns them.
@@ -263,6 +316,17 @@ impl Records {
         words.extend(switching.iter().flatten());
         Id::of_words(words)
     }
+}
+
+/// The differences of angles that wrap, which are near `whole`.
+fn steps(mut angles: impl Iterator<Item = u32>, whole: i128) -> impl Iterator<Item = i128> {
+    let wrapped = whole as u32;
+    let mut before = angles.next().unwrap_or_default();
+    angles.map(move |angle| {
+        let beside = angle.wrapping_sub(before).wrapping_sub(wrapped) as i32;
+        before = angle;
+        whole + i128::from(beside)
+    })
 }
 
 /// The levels for some averaging factors, grouped by stride in ascending order and, within one stride, in the given
@@ -404,9 +468,9 @@ impl Model {
         Ok(())
     }
 
-    /// The longest averaging factor for which the record has a difference; 0 if there is none.
+    /// The longest averaging factor for which the record has a difference, and for which it has room; 0 if there is none.
     pub(crate) fn longest(&self, difference: Difference) -> u64 {
-        self.samples / difference.spans()
+        self.samples.min(MAX_SAMPLES) / difference.spans()
     }
 
     /// Whether all records share more than a constant rate.
@@ -470,9 +534,9 @@ pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Unreprese
     Unrepresentable::new(key, format_args!("{what} {found} is not possible"), help)
 }
 
-/// The refusal of a record of one sample, or of more than 2^26.
-fn too_long(samples: u64) -> Unrepresentable {
-    let found = format_args!("{samples} samples; a record has 2 to {MAX_SAMPLES}");
+/// The refusal of a record of one sample, or of more than `most`.
+fn too_long(samples: u64, most: u64) -> Unrepresentable {
+    let found = format_args!("{samples} samples; a record has 2 to {most}");
     Unrepresentable::new("record.length", found, "take a shorter record, or a longer sample")
 }
 

@@ -334,25 +334,49 @@ impl LoweredCurve {
         seed: u64,
         streams: Streams,
     ) -> Result<LoweredCurve, Unrepresentable> {
-        let inputs = &point.inputs;
-        let (id, key) = identity("allan", seed, streams, &canonical(inputs));
-        let samples = inputs.samples();
-        let process = inputs.noise.process(inputs.sample_s, samples);
-        let asked = Asked {
-            process: &process,
-            readout_lsb: inputs.noise.readout_lsb,
-            mean_rate: inputs.rate,
-            switching: inputs.noise.switched(inputs.sample_s),
-            samples,
-            estimator,
-            ms: &point.ms,
-            key,
-        };
-        let records = Records::new(&asked)?;
+        let (id, records) = lower(point, estimator, seed, streams, Records::new)?;
         let estimate = Id::from_text(&format!("estimate\n{}ms={:?}\n", named(estimator), point.ms));
         let address = Address { point: id, estimate, digest: records.digest() };
         Ok(LoweredCurve { records, address })
     }
+}
+
+/// The records of a point that are made sample by sample, which may be longer than those of a study.
+///
+/// # Errors
+/// The point cannot be represented; see [`Records::of_any_length`].
+pub fn made_records(
+    point: &RecordPoint,
+    estimator: Estimator,
+    seed: u64,
+    streams: Streams,
+) -> Result<Records, Unrepresentable> {
+    Ok(lower(point, estimator, seed, streams, Records::of_any_length)?.1)
+}
+
+/// The identity of a point with its records.
+fn lower(
+    point: &RecordPoint,
+    estimator: Estimator,
+    seed: u64,
+    streams: Streams,
+    records: fn(&Asked) -> Result<Records, Unrepresentable>,
+) -> Result<(Id, Records), Unrepresentable> {
+    let inputs = &point.inputs;
+    let (id, key) = identity("allan", seed, streams, &canonical(inputs));
+    let samples = inputs.samples();
+    let process = inputs.noise.process(inputs.sample_s, samples);
+    let asked = Asked {
+        process: &process,
+        readout_lsb: inputs.noise.readout_lsb,
+        mean_rate: inputs.rate,
+        switching: inputs.noise.switched(inputs.sample_s),
+        samples,
+        estimator,
+        ms: &point.ms,
+        key,
+    };
+    Ok((id, records(&asked)?))
 }
 
 /// An estimator in identities.
