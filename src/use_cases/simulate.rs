@@ -12,7 +12,7 @@ use sagnac_engine::kinds::allan::Allan;
 use sagnac_engine::kinds::allan::lower::MAX_SAMPLES;
 use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
 use sagnac_engine::study::Study;
-use sagnac_records::record::write::{Form, Head, write};
+use sagnac_records::record::write::{Column, Form, Head, write};
 
 /// Fewest samples of a record.
 const MIN_SAMPLES: f64 = 16.0;
@@ -250,7 +250,7 @@ impl Simulation {
     /// `to` fails, or the form does not take such numbers, or so many.
     pub fn write(&self, number: u64, numbers: Numbers, form: Form, to: &mut dyn Write) -> io::Result<()> {
         let mut to = BufWriter::new(to);
-        write(form, &self.head(numbers), self.numbers(number, numbers), &mut to)?;
+        write(form, &self.head(numbers), &|_| Box::new(self.numbers(number, numbers)), &mut to)?;
         to.flush()
     }
 
@@ -260,6 +260,7 @@ impl Simulation {
             Numbers::Increment => ("increment", "arcsec", None),
             Numbers::Angle => ("angle", "arcsec", None),
         };
-        Head { name, unit, rad_per_s, samples: self.samples, step_s: self.sample_s }
+        let column = Column { name: name.to_owned(), unit: unit.to_owned(), rad_per_s };
+        Head { columns: vec![column], samples: self.samples, step_s: self.sample_s }
     }
 }

@@ -1,7 +1,9 @@
-//! Writing of evenly spaced samples of one quantity, in the forms that tools of analysis and ROS read.
+//! Writing of evenly spaced samples of some quantities, in the forms that tools of analysis and ROS read.
 //!
-//! Samples are taken one by one, and what precedes them in a file follows from their number, so that memory does not grow with it,
+//! Samples are taken one by one, column after column where a form has them so, and what precedes them in a file follows from their number, so that memory does not grow with it,
 //! except by the index of an MCAP file, which has an entry for some thousand samples.
+
+mod hdf5;
 
 use std::io::{self, Error, ErrorKind, Write};
 
@@ -26,7 +28,9 @@ pub enum Form {
     Npz,
     /// Variables of MATLAB, version 5, of times and of samples.
     Mat,
-    /// Messages `sensor_msgs/msg/Imu` of ROS 2 with the rate about z, in an MCAP file.
+    /// Datasets of HDF5 of times and of samples, with their units and the sampling rate as attributes.
+    Hdf5,
+    /// Messages `sensor_msgs/msg/Imu` of ROS 2 with the rate about z, or about x, y and z, in an MCAP file.
     Mcap,
     /// Samples as numbers of 8 bytes, little-endian, without a header.
     Raw,
@@ -34,7 +38,8 @@ pub enum Form {
 
 impl Form {
     /// Every form.
-    pub const ALL: [Form; 6] = [Form::Csv, Form::Npy, Form::Npz, Form::Mat, Form::Mcap, Form::Raw];
+    pub const ALL: [Form; 7] =
+        [Form::Csv, Form::Npy, Form::Npz, Form::Mat, Form::Hdf5, Form::Mcap, Form::Raw];
 
     /// The ending of a file's name.
     pub fn ending(self) -> &'static str {
@@ -43,6 +48,7 @@ impl Form {
             Form::Npy => "npy",
             Form::Npz => "npz",
             Form::Mat => "mat",
+            Form::Hdf5 => "h5",
             Form::Mcap => "mcap",
             Form::Raw => "raw",
         }
@@ -58,8 +64,16 @@ impl Form {
             Form::Mcap if !cfg!(feature = "ros") => Some(
                 "this build of sagnac does not write MCAP files; build it with the feature ros".to_owned(),
             ),
-            Form::Mcap if head.rad_per_s.is_none() => {
-                Some(format!("messages of ROS have the rate of a gyro, and no {}", head.name))
+            Form::Hdf5 if head.columns.len() > hdf5::MAX_COLUMNS => {
+                Some(format!("an HDF5 file has up to {} columns here", hdf5::MAX_COLUMNS))
+            }
+            Form::Mcap if head.columns.iter().any(|column| column.rad_per_s.is_none()) => {
+                let others = head.columns.iter().filter(|column| column.rad_per_s.is_none());
+                let names: Vec<&str> = others.map(|column| &*column.name).collect();
+                Some(format!("messages of ROS have the rate of a gyro, and no {}", names.join(", ")))
+            }
+            Form::Mcap if ![1, 3].contains(&head.columns.len()) => {
+                Some("messages of ROS have the rates about one axis or three, and no other rates".to_owned())
             }
             Form::Mcap if head.time_s(head.samples) > i32::MAX.into() => {
                 Some(format!("messages of ROS have times up to {} s", i32::MAX))
@@ -69,15 +83,22 @@ impl Form {
     }
 }
 
-/// The meaning of samples, and their number.
-#[derive(Debug, Clone, Copy)]
-pub struct Head {
+/// The meaning of the numbers of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
     /// Name of the quantity, such as `rate`.
-    pub name: &'static str,
-    /// Unit of the samples, such as `deg/h`.
-    pub unit: &'static str,
+    pub name: String,
+    /// Unit of the samples, such as `deg/h`, or the size of a pulse.
+    pub unit: String,
     /// One unit of the samples in rad/s; absent where they are no rates.
     pub rad_per_s: Option<f64>,
+}
+
+/// The columns of samples, and their number.
+#[derive(Debug, Clone)]
+pub struct Head {
+    /// The columns.
+    pub columns: Vec<Column>,
     /// Number of samples.
     pub samples: u64,
     /// Time from one sample to the next, s. A sample has the time of its end.
@@ -93,21 +114,27 @@ impl Head {
     fn times(&self) -> impl Iterator<Item = f64> {
         (0..self.samples).map(|number| self.time_s(number))
     }
+}
 
-    /// The name with the unit, as a name in programs: `rate_deg_per_h`.
+impl Column {
+    /// The name with the unit, as a name in programs: `rate_deg_per_h`. The size of a pulse is no part of it.
     fn identifier(&self) -> String {
-        format!("{}_{}", self.name, self.unit.replace('/', "_per_"))
+        match self.unit.contains(' ') {
+            true => self.name.clone(),
+            false => format!("{}_{}", self.name, self.unit.replace('/', "_per_")),
+        }
     }
 }
 
-/// Writes samples, as many as `head` says, and stops at the first error.
+/// Writes samples, as many as `head` says, and stops at the first error. `column` gives the samples of a column, and is called once
+/// for each.
 ///
 /// # Errors
 /// `to` fails, or the form [refuses](Form::refusal) such samples.
-pub fn write(
+pub fn write<'a>(
     form: Form,
     head: &Head,
-    samples: impl Iterator<Item = f64>,
+    column: &dyn Fn(usize) -> Numbers<'a>,
     to: &mut dyn Write,
 ) -> io::Result<()> {
     if let Some(refusal) = form.refusal(head) {
@@ -115,29 +142,54 @@ pub fn write(
     }
     match form {
         Form::Csv => {
-            writeln!(to, "time [s],{} [{}]", head.name, head.unit)?;
-            (0..).zip(samples).try_for_each(|(number, sample)| {
-                writeln!(to, "{},{sample}", significant(head.time_s(number), 15))
+            let titles = head.columns.iter().map(|column| format!(",{} [{}]", column.name, column.unit));
+            writeln!(to, "time [s]{}", titles.collect::<String>())?;
+            each_row(head, column, |number, row| {
+                write!(to, "{}", significant(head.time_s(number), 15))?;
+                row.iter().try_for_each(|sample| write!(to, ",{sample}"))?;
+                writeln!(to)
             })
         }
         Form::Npy => {
-            to.write_all(&npy_header(head.samples))?;
-            write_numbers(samples, to)
+            to.write_all(&npy_header(head.samples, head.columns.len()))?;
+            each_row(head, column, |_, row| write_numbers(row.iter().copied(), to))
         }
-        Form::Npz => npz(head, samples, to),
-        Form::Mat => mat(head, samples, to),
-        Form::Mcap => mcap::write(head, samples, to),
-        Form::Raw => write_numbers(samples, to),
+        Form::Npz => npz(head, column, to),
+        Form::Mat => mat(head, column, to),
+        Form::Hdf5 => hdf5::write(head, column, to),
+        Form::Mcap => mcap::write(head, column, to),
+        Form::Raw => each_row(head, column, |_, row| write_numbers(row.iter().copied(), to)),
     }
+}
+
+/// The samples of a column, one by one.
+pub type Numbers<'a> = Box<dyn Iterator<Item = f64> + 'a>;
+
+/// Calls `each` with the number of every row and its samples.
+fn each_row<'a>(
+    head: &Head,
+    column: &dyn Fn(usize) -> Numbers<'a>,
+    mut each: impl FnMut(u64, &[f64]) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut columns: Vec<Numbers<'a>> = (0..head.columns.len()).map(column).collect();
+    let mut row = vec![0.0; columns.len()];
+    for number in 0..head.samples {
+        for (place, numbers) in row.iter_mut().zip(&mut columns) {
+            *place = numbers.next().unwrap_or(f64::NAN);
+        }
+        each(number, &row)?;
+    }
+    Ok(())
 }
 
 fn write_numbers(mut numbers: impl Iterator<Item = f64>, to: &mut (impl Write + ?Sized)) -> io::Result<()> {
     numbers.try_for_each(|number| to.write_all(&number.to_le_bytes()))
 }
 
-/// The header of a file of NumPy, version 1.0, with so many numbers of 8 bytes.
-fn npy_header(count: u64) -> Vec<u8> {
-    let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({count},), }}");
+/// The header of a file of NumPy, version 1.0, with so many rows of numbers of 8 bytes.
+fn npy_header(rows: u64, columns: usize) -> Vec<u8> {
+    let second = if columns > 1 { format!(" {columns}") } else { String::new() };
+    let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows},{second}), }}");
     // Magic, version, length, text and a line feed fill whole lines of 64 bytes.
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -168,29 +220,34 @@ impl Write for UntilFailure<'_> {
     }
 }
 
-fn npz(head: &Head, samples: impl Iterator<Item = f64>, to: &mut dyn Write) -> io::Result<()> {
+fn npz<'a>(head: &Head, column: &dyn Fn(usize) -> Numbers<'a>, to: &mut dyn Write) -> io::Result<()> {
     let mut zip = ZipWriter::new_stream(UntilFailure { to, has_failed: false });
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .large_file(head.samples >= LARGE_ENTRY / 8);
     let mut entry = |name: &str, numbers: &mut dyn Iterator<Item = f64>| {
         zip.start_file(format!("{name}.npy"), options)?;
-        zip.write_all(&npy_header(head.samples))?;
+        zip.write_all(&npy_header(head.samples, 1))?;
         write_numbers(numbers, &mut zip)
     };
     entry("time_s", &mut head.times())?;
-    entry(&head.identifier(), &mut { samples })?;
+    for (place, about) in head.columns.iter().enumerate() {
+        entry(&about.identifier(), &mut column(place))?;
+    }
     zip.finish()?.into_inner().flush()
 }
 
-fn mat(head: &Head, samples: impl Iterator<Item = f64>, to: &mut dyn Write) -> io::Result<()> {
+fn mat<'a>(head: &Head, column: &dyn Fn(usize) -> Numbers<'a>, to: &mut dyn Write) -> io::Result<()> {
     to.write_all(format!("{:<124}", "MATLAB 5.0 MAT-file, written by sagnac").as_bytes())?;
     to.write_all(&0x0100_u16.to_le_bytes())?;
     to.write_all(b"IM")?;
     to.write_all(&mat_header("time_s", head.samples))?;
     write_numbers(head.times(), to)?;
-    to.write_all(&mat_header(&head.identifier(), head.samples))?;
-    write_numbers(samples, to)
+    for (place, about) in head.columns.iter().enumerate() {
+        to.write_all(&mat_header(&about.identifier(), head.samples))?;
+        write_numbers(column(place), to)?;
+    }
+    Ok(())
 }
 
 /// The header of a column vector of numbers of 8 bytes.
@@ -217,9 +274,9 @@ fn mat_header(name: &str, count: u64) -> Vec<u8> {
 
 #[cfg(not(feature = "ros"))]
 mod mcap {
-    use super::{ErrorKind, Head, Write, io};
+    use super::{ErrorKind, Head, Numbers, Write, io};
 
-    pub(super) fn write(_: &Head, _: impl Iterator<Item = f64>, _: &mut dyn Write) -> io::Result<()> {
+    pub(super) fn write<'a>(_: &Head, _: &dyn Fn(usize) -> Numbers<'a>, _: &mut dyn Write) -> io::Result<()> {
         Err(ErrorKind::Unsupported.into())
     }
 }
@@ -232,7 +289,7 @@ mod mcap {
     use mcap::records::MessageHeader;
     use mcap::write::{NoSeek, WriteOptions};
 
-    use super::{Error, ErrorKind, Head, Write, io};
+    use super::{Error, ErrorKind, Head, Numbers, Write, each_row, io};
 
     /// The type of the messages, with those of its fields.
     const IMU: &str = "\
@@ -270,18 +327,23 @@ float64 z
     /// First number of the covariance of a quantity that is not measured.
     const UNMEASURED: f64 = -1.0;
 
-    pub(super) fn write(
+    pub(super) fn write<'a>(
         head: &Head,
-        samples: impl Iterator<Item = f64>,
+        column: &dyn Fn(usize) -> Numbers<'a>,
         to: &mut dyn Write,
     ) -> io::Result<()> {
-        let rad_per_s = head.rad_per_s.ok_or(ErrorKind::InvalidInput)?;
+        // A single axis is z.
+        let first = 3 - head.columns.len().min(3);
         // Chunks are written whole, so that nothing is sought in `to`.
         let options = WriteOptions::new().disable_seeking(true).compression(None).library("sagnac");
         let mut writer = options.create(NoSeek::new(to)).map_err(of_file)?;
         let schema = writer.add_schema("sensor_msgs/msg/Imu", "ros2msg", IMU.as_bytes()).map_err(of_file)?;
         let channel = writer.add_channel(schema, "/imu", "cdr", &BTreeMap::new()).map_err(of_file)?;
-        for (number, sample) in (0..).zip(samples) {
+        each_row(head, column, |number, row| {
+            let mut rates = [0.0; 3];
+            for ((rate, sample), column) in rates[first..].iter_mut().zip(row).zip(&head.columns) {
+                *rate = sample * column.rad_per_s.ok_or(ErrorKind::InvalidInput)?;
+            }
             let ns = libm::round(head.time_s(number) * 1e9) as u64;
             let header = MessageHeader {
                 channel_id: channel,
@@ -289,14 +351,14 @@ float64 z
                 log_time: ns,
                 publish_time: ns,
             };
-            writer.write_to_known_channel(&header, &message(ns, sample * rad_per_s)).map_err(of_file)?;
-        }
+            writer.write_to_known_channel(&header, &message(ns, rates)).map_err(of_file)
+        })?;
         writer.finish().map_err(of_file)?;
         writer.into_inner().into_inner().flush()
     }
 
-    /// A message with the rate about z, rad/s, as the only quantity that is measured.
-    fn message(ns: u64, rate: f64) -> Vec<u8> {
+    /// A message with the rates about x, y and z, rad/s, as the only quantity that is measured.
+    fn message(ns: u64, rates: [f64; 3]) -> Vec<u8> {
         const NANO: u64 = 1_000_000_000;
         let [seconds, nanoseconds] = [(ns / NANO) as u32, (ns % NANO) as u32];
         let frame = *b"gyro\0";
@@ -308,7 +370,7 @@ float64 z
         let mut covariance = [0.0; 9];
         covariance[0] = UNMEASURED;
         let parts: [&[f64]; 6] =
-            [&[0.0, 0.0, 0.0, 1.0], &covariance, &[0.0, 0.0, rate], &[0.0; 9], &[0.0; 3], &covariance];
+            [&[0.0, 0.0, 0.0, 1.0], &covariance, &rates, &[0.0; 9], &[0.0; 3], &covariance];
         bytes.extend(parts.into_iter().flatten().flat_map(|number| number.to_le_bytes()));
         bytes
     }
