@@ -117,8 +117,9 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 39] = [
+const OPTIONS: [&str; 41] = [
     "at",
+    "axes",
     "band",
     "binary",
     "bootstrap",
@@ -137,6 +138,7 @@ const OPTIONS: [&str; 39] = [
     "force",
     "from",
     "length",
+    "motion",
     "noise",
     "out",
     "overbound",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import _sagnac
 
+from .errors import UsageError
 from .logs import step_of
 from .studies import MAX_TRIALS, _source, _threads, _whole
 
@@ -25,6 +26,7 @@ class Wanted(NamedTuple):
     length_s: float | None
     at: list[str]
     seed: int | None
+    motion: tuple[str, str] | None
     data: str
     first: int
     records: int
@@ -40,10 +42,11 @@ def simulate(
     records: int = 1,
     first: int = 0,
     seed: int | None = None,
-    data: Literal["rate", "increment", "angle"] = "rate",
+    motion: str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    data: Literal["rate", "increment", "angle", "pulses"] = "rate",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """Records of a gyro at rest with some noise, as ``sagnac simulate`` writes them, to the last bit.
+    """Records of a gyro with some noise, at rest or with a motion, as ``sagnac simulate`` writes them, to the last bit.
 
     Parameters
     ----------
@@ -58,8 +61,10 @@ def simulate(
         Number of records, and the number of the first one. A record of a seed is the same wherever it is made.
     seed
         By default that of the study, or 1.
+    motion
+        Motion of the base: the keys of ``[motion]`` of a study, as a path, a text or a dictionary.
     data
-        ``rate`` in °/h, or angles in ″: ``increment`` of each sample, or ``angle`` from the start.
+        ``rate`` in °/h, or angles in ″: ``increment`` of each sample, or ``angle`` from the start; or ``pulses`` of each sample.
     threads
         Threads of the processor; by default all logical cores.
 
@@ -88,9 +93,21 @@ def simulate(
         None if length is None else float(length),
         [f"{key}={value}" for key, value in (at or {}).items()],
         None if seed is None else _whole("seed", seed, 0, (1 << 63) - 1),
+        None if motion is None else _motion(motion),
         data,
         _whole("first", first, 0, MAX_TRIALS - MAX_RECORDS),
         _whole("records", records, 1, MAX_RECORDS),
         _threads(threads),
     )
     return _sagnac.simulate(path, text, wanted)
+
+
+def _motion(motion: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str]:
+    """The path and the text of a motion."""
+    path, text = _source(motion)
+    if path is None:
+        return "motion", text
+    try:
+        return str(path), path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"cannot read the motion {path}: {error}") from None

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use sagnac::use_cases::{Numbers, SimulateError, SimulateRequest, Simulation};
+use sagnac::use_cases::{MotionText, Numbers, SimulateError, SimulateRequest, Simulation};
+
+use sagnac::record::write::Form;
 
 use super::argument::word;
 use super::compute::compute_on;
@@ -18,6 +20,8 @@ pub struct Wanted {
     length_s: Option<f64>,
     at: Vec<String>,
     seed: Option<u64>,
+    /// Path and text of a motion.
+    motion: Option<(String, String)>,
     data: String,
     first: u64,
     records: usize,
@@ -49,11 +53,18 @@ pub fn simulate<'py>(
             length_s: wanted.length_s,
             at: wanted.at.clone(),
             seed: wanted.seed,
+            motions: wanted
+                .motion
+                .iter()
+                .map(|(name, text)| MotionText { axis: 0, name: name.clone(), text: text.clone() })
+                .collect(),
+            ..SimulateRequest::default()
         };
         let simulation = match &path {
             Some(path) => Simulation::read(path, &request)?,
             None => Simulation::parse("given", &text, &request)?,
         };
+        simulation.check(numbers, Form::Raw)?;
         let samples = simulation.samples() as usize;
         let mut values: Vec<f64> = Vec::new();
         let has_room = samples.checked_mul(wanted.records).map(|count| values.try_reserve_exact(count));
@@ -63,7 +74,7 @@ pub fn simulate<'py>(
         }
         values.resize(samples * wanted.records, 0.0);
         values.par_chunks_mut(samples).enumerate().for_each(|(row, values)| {
-            let numbers = simulation.numbers(wanted.first + row as u64, numbers);
+            let numbers = simulation.numbers(wanted.first + row as u64, 0, numbers);
             values.iter_mut().zip(numbers).for_each(|(place, value)| *place = value);
         });
         Ok((values, samples))

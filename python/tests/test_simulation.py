@@ -33,6 +33,18 @@ def test_records_have_the_bits_of_the_program(program: Program, data: Any) -> No
     assert alone.tobytes() == expected[1].tobytes()
 
 
+def test_motion_has_the_bits_of_the_program(program: Program) -> None:
+    (program.folder / "noise.toml").write_text(TEXT)
+    motion = {"amplitude": "90 arcsec", "frequency": "1.3 Hz"}
+    (program.folder / "motion.toml").write_text("".join(f'{key} = "{value}"\n' for key, value in motion.items()))
+    asked = ["--rate", "10Hz", "--length", "500s", "--motion", "motion.toml", "--form", "npy", "--out", "moving"]
+    write(program, "noise.toml", *asked)
+    expected = np.load(program.folder / "moving/record_00000.npy")
+    for given in (motion, program.folder / "motion.toml"):
+        [found] = sagnac.simulate(NOISE, rate=10.0, length=500.0, motion=given)
+        assert found.tobytes() == expected.tobytes()
+
+
 def test_arrays_of_numpy_are_read_by_numpy(program: Program) -> None:
     (program.folder / "noise.toml").write_text(TEXT)
     write(program, "noise.toml", "--rate", "10Hz", "--length", "500s", "--form", "npz", "--out", "records")
@@ -57,6 +69,9 @@ def test_a_point_of_a_study_is_chosen_by_its_swept_keys(studies: Path) -> None:
         (NOISE, {"rate": 1.0, "length": 60.0, "data": "phase"}, sagnac.UsageError, 'data="phase"'),
         (NOISE, {"rate": 1.0, "length": 60.0, "at": {"length": "1 h"}}, sagnac.UsageError, "selects from a study"),
         ({"angle_random_walk": "1 m"}, {"rate": 1.0, "length": 60.0}, sagnac.StudyError, "angle_random_walk"),
+        (NOISE, {"rate": 1.0, "length": 60.0, "motion": "nowhere.toml"}, sagnac.UsageError, "cannot read the motion nowhere.toml"),
+        (NOISE, {"rate": 1.0, "length": 60.0, "motion": {"amplitud": "3 arcsec"}}, sagnac.StudyError, "amplitud"),
+        (NOISE, {"rate": 1.0, "length": 60.0, "data": "pulses"}, sagnac.UsageError, "readout_lsb"),
         ("nowhere.toml", {}, sagnac.UsageError, "cannot read nowhere.toml"),
     ],
 )

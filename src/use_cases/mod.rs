@@ -1,5 +1,6 @@
 //! The use cases: each is a function from a request to an [`Outcome`], a page with its tables and further files, for any front end.
 
+mod added;
 mod convert;
 mod logs;
 #[cfg(feature = "store")]
@@ -14,6 +15,7 @@ use sagnac_base::table::Table;
 use sagnac_report::page::Page;
 use sagnac_report::page::{Document, Provenance, json};
 
+pub use added::{MotionText, Sensitivity, Warming};
 pub use convert::{Conversion, Converted, convert};
 pub use logs::{
     AllanRequest, BatchRequest, CompareRequest, LogError, ModelSource, Segments, allan, compare_logs,

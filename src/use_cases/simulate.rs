@@ -1,18 +1,22 @@
-//! Simulated records of a gyro at rest, from the kernels and the random numbers of studies.
+//! Simulated records of gyros, at rest or on a moving base, from the kernels and the random numbers of studies.
 
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use super::added::{AXES, Added, MotionText, Sensitivity, Warming};
 use crate::analysis::firmware::{find, swept, value_of};
 use sagnac_base::diagnostics::{StudyError, listed};
 use sagnac_base::text_file::{MAX_TOML, read_text};
 use sagnac_engine::key::sweep::SweepValue;
-use sagnac_engine::kinds::allan::Allan;
-use sagnac_engine::kinds::allan::lower::MAX_SAMPLES;
-use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
+use sagnac_engine::kinds::allan::lower::theory::made_records;
+use sagnac_engine::kinds::allan::lower::{MAX_MADE, MAX_SAMPLES, Records};
+use sagnac_engine::kinds::allan::{Allan, Inputs, Point};
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::motion::Motion;
+use sagnac_engine::motion::record::{RecordMotion, Samples};
 use sagnac_engine::study::Study;
-use sagnac_records::record::write::{Column, Form, Head, write};
+use sagnac_records::record::write::{self, Column, Form, Head, write};
 
 /// Fewest samples of a record.
 const MIN_SAMPLES: f64 = 16.0;
@@ -21,9 +25,14 @@ const MIN_SAMPLES: f64 = 16.0;
 #[derive(Debug)]
 pub struct Simulation {
     study: Study,
-    lowered: LoweredCurve,
+    records: Records,
     sample_s: f64,
     samples: u64,
+    /// Angle of a pulse, ″; 0 where no whole pulses are read.
+    pulse: f64,
+    added: Added,
+    /// Whether records have columns of the true motion.
+    has_truth: bool,
 }
 
 /// Why nothing can be simulated.
@@ -49,6 +58,26 @@ pub struct SimulateRequest {
     pub at: Vec<String>,
     /// Seed; by default that of the study, or 1 for a noise.
     pub seed: Option<u64>,
+    /// Whether there are three axes, each with noise of its own, instead of one.
+    pub three_axes: bool,
+    /// Motions of the base.
+    pub motions: Vec<MotionText>,
+    /// Misalignments and errors of scale factors.
+    pub sensitivities: Vec<Sensitivity>,
+    /// A temperature on which the rate depends.
+    pub warming: Option<Warming>,
+    /// Whether the true motion is a column beside what the gyro reads.
+    pub has_truth: bool,
+}
+
+/// A column of a record.
+#[derive(Debug, Clone, Copy)]
+enum Content {
+    /// What the gyro of an axis reads.
+    Reading(usize),
+    /// The motion about an axis.
+    Truth(usize),
+    Temperature,
 }
 
 /// The meaning of the numbers of a record.
@@ -60,12 +89,18 @@ pub enum Numbers {
     Increment,
     /// Angle from the start of the record to the end of each sample, ″.
     Angle,
+    /// Pulses of each sample.
+    Pulses,
 }
 
 impl Numbers {
     /// Every meaning, by its name.
-    pub const NAMED: [(&str, Numbers); 3] =
-        [("rate", Numbers::Rate), ("increment", Numbers::Increment), ("angle", Numbers::Angle)];
+    pub const NAMED: [(&str, Numbers); 4] = [
+        ("rate", Numbers::Rate),
+        ("increment", Numbers::Increment),
+        ("angle", Numbers::Angle),
+        ("pulses", Numbers::Pulses),
+    ];
 
     /// The name, with the unit.
     pub fn title(self) -> &'static str {
@@ -73,6 +108,7 @@ impl Numbers {
             Numbers::Rate => "rates in °/h",
             Numbers::Increment => "angles of each sample in ″",
             Numbers::Angle => "angles from the start in ″",
+            Numbers::Pulses => "pulses of each sample",
         }
     }
 }
@@ -108,13 +144,16 @@ impl Simulation {
         let is_study = text.parse::<toml::Table>().map_or(true, |table| table.contains_key("kind"));
         if is_study {
             let mut study = study()?;
+            study.seed = request.seed.unwrap_or(study.seed);
+            if let Some(gap_fill) = study.asked::<GapFill>() {
+                return Simulation::of_gap_fill(&study, gap_fill, request);
+            }
             if request.sample_s.or(request.length_s).is_some() {
                 return refused(
                     "`rate = HZ` and `length = TIME` are for noise files; a study has `record.sample` and `record.length`\nleave them out",
                 );
             }
-            study.seed = request.seed.unwrap_or(study.seed);
-            return Simulation::of_study(&study, &request.at);
+            return Simulation::of_study(&study, &request.at, None)?.with(request, None);
         }
         let (Some(sample_s), Some(length_s)) = (request.sample_s, request.length_s) else {
             return refused(
@@ -124,57 +163,89 @@ impl Simulation {
         if let Some(at) = request.at.first() {
             return refused(&format!("`at = {at}` selects from a study, but none is given\nleave it out"));
         }
-        Simulation::of_noise(name, text, sample_s, length_s, request.seed.unwrap_or(1))
+        Simulation::of_noise(name, text, sample_s, length_s, request.seed.unwrap_or(1))?.with(request, None)
+    }
+
+    /// The records with the motion of their study, if it has one, about the last axis, and those that are asked for.
+    fn with(
+        self,
+        request: &SimulateRequest,
+        own: Option<(RecordMotion, String)>,
+    ) -> Result<Simulation, SimulateError> {
+        let SimulateRequest { three_axes, motions, sensitivities, warming, has_truth, .. } = request;
+        let axes = if *three_axes { AXES.len() } else { 1 };
+        let samples = self.added.samples();
+        let mut all = Vec::from_iter(own.map(|(motion, truth)| (axes - 1, motion, truth)));
+        for MotionText { axis, name, text } in motions {
+            let truth = format!("{name}:\n{}", text.trim());
+            all.push((*axis, RecordMotion::parse(name, text, samples)?, truth));
+        }
+        if *has_truth && all.is_empty() {
+            let message =
+                "columns of the true motion are asked for, but there is no motion\ngive `motion = FILE`";
+            return Err(SimulateError::Request(message.to_owned()));
+        }
+        let added = Added::new(axes, all, sensitivities, *warming, samples)?;
+        Ok(Simulation { added, has_truth: *has_truth, ..self })
+    }
+
+    /// Records of a point of a gap-fill study: the noise, the pulses and the motion of its ticks, without switches.
+    fn of_gap_fill(
+        study: &Study,
+        gap_fill: &GapFill,
+        request: &SimulateRequest,
+    ) -> Result<Simulation, SimulateError> {
+        let refused = |message: &str| Err(SimulateError::Request(message.to_owned()));
+        if request.sample_s.is_some() {
+            return refused("`rate = HZ` is for noise files; a gap-fill study has `gyro.tick`\nleave it out");
+        }
+        let Some(length_s) = request.length_s else {
+            return refused("a gap-fill study does not say how long records are\ngive `length = TIME`");
+        };
+        let point = chosen(study, &request.at, &gap_fill.points, |point| &point.swept)?;
+        let (tick_s, motion) = (point.inputs.tick_s, &point.inputs.motion);
+        let walk = point.inputs.sigma_arcsec() / libm::sqrt(tick_s);
+        let mut noise = format!("angle_random_walk = \"{walk} arcsec/sqrt(s)\"\n");
+        if point.inputs.readout_lsb > 0.0 {
+            noise += &format!("readout_lsb = \"{} arcsec\"\n", point.inputs.readout_lsb);
+        }
+        let simulation = Simulation::of_noise("noise.toml", &noise, tick_s, length_s, study.seed)?;
+        let has_motion = *motion != Motion::default();
+        let own = has_motion.then(|| RecordMotion::new(motion, simulation.added.samples())).transpose();
+        let own = own.map_err(|refusal| study.refused(&point.swept, &refusal))?;
+        let truth = format!("the study:\n{}", study.text().trim());
+        simulation.with(request, own.map(|own| (own, truth)))
     }
 
     /// Records of a study of Allan curves: those of its trials, which have the same numbers. A study with sweeps has them at the point
-    /// with the values `at`, each given as `key=value`.
+    /// with the values `at`, each given as `key=value`. Records may have another length than those of the study.
     ///
     /// # Errors
     /// The study is of another kind, has no such point or several, or its noise cannot be represented.
-    fn of_study(study: &Study, at: &[String]) -> Result<Simulation, SimulateError> {
+    fn of_study(study: &Study, at: &[String], length_s: Option<f64>) -> Result<Simulation, SimulateError> {
         let allan = study.asked::<Allan>().ok_or_else(|| {
             SimulateError::Request(format!(
-                "`kind = \"{}\"` has no records of a gyro at rest\ngive a study of kind \"allan\", or a noise file",
+                "`kind = \"{}\"` has no records of a gyro\ngive a study of kind \"allan\" or \"gap-fill\", or a noise file",
                 study.kind().name
             ))
         })?;
-        let mut chosen = vec![None; study.sweeps.len()];
-        for asked in at {
-            let refused = |why: String| SimulateError::Request(format!("`at = {asked}`: {why}"));
-            let (place, value) = find(study, asked).map_err(refused)?;
-            let sweep = &study.sweeps[place];
-            let by_name = sweep.values.iter().find(|own| own.to_string() == value.trim_matches('"'));
-            let by_size = || match sweep.values[0].quantity() {
-                Some(_) => value_of(sweep, value).and_then(|value| swept(sweep, value)),
-                None => {
-                    let names: Vec<String> = sweep.values.iter().map(SweepValue::to_string).collect();
-                    Err(format!("the values of {} are {}", sweep.key.name, listed(&names)))
-                }
-            };
-            if chosen[place].is_some() {
-                return Err(refused(format!("{} has a value already", sweep.key.name)));
-            }
-            chosen[place] = Some(match by_name {
-                Some(own) => own.clone(),
-                None => SweepValue::Quantity(by_size().map_err(refused)?),
-            });
-        }
-        let mut points = allan.points.iter().filter(|point| {
-            let mut values = point.swept.iter().zip(&chosen);
-            values.all(|((_, own), chosen)| chosen.as_ref().is_none_or(|chosen| own == chosen))
-        });
-        let (Some(point), None) = (points.next(), points.next()) else {
-            let open = study.sweeps.iter().zip(&chosen).filter(|(_, chosen)| chosen.is_none());
-            let open: Vec<&str> = open.map(|(sweep, _)| sweep.key.name).collect();
-            let message =
-                format!("the study has several points\nchoose one: `at = KEY=VALUE` for {}", open.join(", "));
-            return Err(SimulateError::Request(message));
-        };
-        let lowered = LoweredCurve::new(point, allan.estimator, study.seed, study.streams)
+        let point = chosen(study, at, &allan.points, |point| &point.swept)?;
+        let length_s = length_s.unwrap_or(point.inputs.length_s);
+        let point = Point { inputs: Inputs { length_s, ..point.inputs.clone() }, ..point.clone() };
+        let records = made_records(&point, allan.estimator, study.seed, study.streams)
             .map_err(|refusal| study.refused(&point.swept, &refusal))?;
         let (sample_s, samples) = (point.inputs.sample_s, point.inputs.samples());
-        Ok(Simulation { study: study.clone(), lowered, sample_s, samples })
+        let (lsb_arcsec, key) = (records.lsb_arcsec(), records.recipe().key);
+        let of_records = Samples { sample_s, count: samples, lsb_arcsec, key };
+        Ok(Simulation {
+            study: study.clone(),
+            records,
+            sample_s,
+            samples,
+            pulse: point.inputs.noise.readout_lsb,
+            added: Added::new(1, vec![], &[], None, of_records)?,
+            has_truth: false,
+        })
     }
 
     /// Records of the noise in the text of a noise file, which is called `name`.
@@ -189,19 +260,24 @@ impl Simulation {
         seed: u64,
     ) -> Result<Simulation, SimulateError> {
         let samples = libm::round(length_s / sample_s);
-        if !(MIN_SAMPLES..=MAX_SAMPLES as f64).contains(&samples) {
+        if !(MIN_SAMPLES..=MAX_MADE as f64).contains(&samples) {
             let message = format!(
-                "`length = {length_s} s` has {samples} samples of {sample_s} s\naccepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples"
+                "`length = {length_s} s` has {samples} samples of {sample_s} s\naccepted: {MIN_SAMPLES} to {MAX_MADE} samples"
             );
             return Err(SimulateError::Request(message));
         }
         let quoted = toml::Value::from(name);
+        let longest_s = MAX_SAMPLES as f64 * sample_s;
+        let (written_s, length_s) = match samples > MAX_SAMPLES as f64 {
+            true => (longest_s, Some(length_s)),
+            false => (length_s, None),
+        };
         let study = format!(
             "title = \"Simulated records\"\nkind = \"allan\"\ntrials = 1\nseed = {seed}\n\n[record]\nsample = \"{sample_s} s\"\n\
-             length = \"{length_s} s\"\n\n[noise]\nfile = {quoted}\n"
+             length = \"{written_s} s\"\n\n[noise]\nfile = {quoted}\n"
         );
         let files = BTreeMap::from([(name.to_owned(), text.as_bytes().to_vec())]);
-        Simulation::of_study(&Study::parse_with("simulated.toml", &study, &files)?, &[])
+        Simulation::of_study(&Study::parse_with("simulated.toml", &study, &files)?, &[], length_s)
     }
 
     /// The study whose trials the records are, with the truth about their noise; one with sweeps has other points too.
@@ -219,18 +295,67 @@ impl Simulation {
         self.sample_s
     }
 
-    /// The numbers of the record `number`, sample by sample.
-    pub fn numbers(&self, number: u64, numbers: Numbers) -> impl Iterator<Item = f64> {
-        let mut sum = 0.0;
-        self.lowered.records.increments(number).map(move |increment| {
-            sum += increment;
-            match numbers {
-                // 1 ″/s is 1 °/h.
-                Numbers::Rate => increment / self.sample_s,
-                Numbers::Increment => increment,
-                Numbers::Angle => sum,
+    /// Angle of a pulse, ″; 0 where no whole pulses are read.
+    pub fn pulse_arcsec(&self) -> f64 {
+        self.pulse
+    }
+
+    /// The number of axes.
+    pub fn axes(&self) -> usize {
+        self.added.motions.len()
+    }
+
+    /// What the records have besides the noise of the study, a line for each.
+    pub fn truth(&self) -> &str {
+        &self.added.truth
+    }
+
+    /// The tones about all axes in the record `number`, as a table in CSV; `None` without any.
+    pub fn tones(&self, number: u64) -> Option<String> {
+        let mut rows = String::new();
+        for (axis, motion) in self.added.motions.iter().enumerate() {
+            let tones = motion.iter().flat_map(|motion| motion.tones(self.added.number(number, axis)));
+            for tone in tones {
+                let (axis, degrees) = (if self.axes() == 1 { "" } else { AXES[axis] }, 360.0 * tone.turns);
+                rows += &format!("{axis},{},{},{degrees}\n", tone.frequency_hz, tone.amplitude);
             }
-        })
+        }
+        let titles = "axis,frequency_hz,amplitude_arcsec_per_s,phase_deg\n";
+        (!rows.is_empty()).then(|| format!("{titles}{rows}"))
+    }
+
+    /// The numbers that a gyro reads in the record `number`, sample by sample.
+    pub fn numbers(&self, number: u64, axis: usize, numbers: Numbers) -> write::Numbers<'_> {
+        self.column(number, Content::Reading(axis), numbers)
+    }
+
+    fn column(&self, record: u64, content: Content, numbers: Numbers) -> write::Numbers<'_> {
+        let (sample_s, pulse, records) = (self.sample_s, self.pulse, &self.records);
+        let increments: write::Numbers<'_> = match content {
+            Content::Temperature => {
+                return Box::new(self.added.temperatures().into_iter().flatten());
+            }
+            Content::Truth(axis) => Box::new(self.added.true_angles(record, axis).into_iter().flatten()),
+            Content::Reading(axis) if self.added.is_nothing() => {
+                Box::new(records.increments(self.added.number(record, axis)))
+            }
+            Content::Reading(axis) => {
+                let turned = self.added.angles(record, axis);
+                Box::new(records.turned_increments(self.added.number(record, axis), turned))
+            }
+        };
+        match (numbers, content) {
+            // 1 ″/s is 1 °/h.
+            (Numbers::Rate, _) => Box::new(increments.map(move |increment| increment / sample_s)),
+            (Numbers::Angle, _) => Box::new(increments.scan(0.0, |sum, increment| {
+                *sum += increment;
+                Some(*sum)
+            })),
+            (Numbers::Pulses, Content::Reading(_)) => {
+                Box::new(increments.map(move |increment| libm::round(increment / pulse)))
+            }
+            (Numbers::Increment | Numbers::Pulses, _) => increments,
+        }
     }
 
     /// Whether the form takes such numbers, and so many.
@@ -238,6 +363,10 @@ impl Simulation {
     /// # Errors
     /// It does not.
     pub fn check(&self, numbers: Numbers, form: Form) -> Result<(), SimulateError> {
+        if numbers == Numbers::Pulses && self.pulse == 0.0 {
+            let message = "there are no pulses to read\ngive their angle in the noise, as in readout_lsb = \"0.5 arcsec\"";
+            return Err(SimulateError::Request(message.to_owned()));
+        }
         match form.refusal(&self.head(numbers)) {
             Some(refusal) => Err(SimulateError::Request(format!("{refusal}\nchoose another form"))),
             None => Ok(()),
@@ -250,17 +379,89 @@ impl Simulation {
     /// `to` fails, or the form does not take such numbers, or so many.
     pub fn write(&self, number: u64, numbers: Numbers, form: Form, to: &mut dyn Write) -> io::Result<()> {
         let mut to = BufWriter::new(to);
-        write(form, &self.head(numbers), &|_| Box::new(self.numbers(number, numbers)), &mut to)?;
+        let contents = self.contents();
+        let column = |place: usize| self.column(number, contents[place], numbers);
+        write(form, &self.head(numbers), &column, &mut to)?;
         to.flush()
+    }
+
+    fn contents(&self) -> Vec<Content> {
+        let axes = 0..self.axes();
+        let mut contents: Vec<Content> = axes.clone().map(Content::Reading).collect();
+        if self.has_truth {
+            contents.extend(axes.filter(|axis| self.added.motions[*axis].is_some()).map(Content::Truth));
+        }
+        contents.extend(self.added.temperatures().map(|_| Content::Temperature));
+        contents
     }
 
     fn head(&self, numbers: Numbers) -> Head {
         let (name, unit, rad_per_s) = match numbers {
             Numbers::Rate => ("rate", "deg/h", Some(1_f64.to_radians() / 3600.0)),
-            Numbers::Increment => ("increment", "arcsec", None),
+            Numbers::Increment | Numbers::Pulses => ("increment", "arcsec", None),
             Numbers::Angle => ("angle", "arcsec", None),
         };
-        let column = Column { name: name.to_owned(), unit: unit.to_owned(), rad_per_s };
-        Head { columns: vec![column], samples: self.samples, step_s: self.sample_s }
+        let about = |content: &Content| {
+            let (before, name, unit, axis) = match content {
+                Content::Reading(axis) if numbers == Numbers::Pulses => {
+                    ("", "pulses", format!("{} arcsec/pulse", self.pulse), axis)
+                }
+                Content::Reading(axis) => ("", name, unit.to_owned(), axis),
+                Content::Truth(axis) => ("true_", name, unit.to_owned(), axis),
+                Content::Temperature => {
+                    return Column {
+                        name: "temperature".to_owned(),
+                        unit: "degC".to_owned(),
+                        rad_per_s: None,
+                    };
+                }
+            };
+            let after = if self.axes() == 1 { String::new() } else { format!("_{}", AXES[*axis]) };
+            Column { name: format!("{before}{name}{after}"), unit, rad_per_s }
+        };
+        let columns = self.contents().iter().map(about).collect();
+        Head { columns, samples: self.samples, step_s: self.sample_s }
     }
+}
+
+/// The point of a study with the values `at`, each given as `key=value`.
+fn chosen<'p, P>(
+    study: &Study,
+    at: &[String],
+    points: &'p [P],
+    swept_of: impl Fn(&P) -> &[(&'static str, SweepValue)],
+) -> Result<&'p P, SimulateError> {
+    let mut chosen = vec![None; study.sweeps.len()];
+    for asked in at {
+        let refused = |why: String| SimulateError::Request(format!("`at = {asked}`: {why}"));
+        let (place, value) = find(study, asked).map_err(refused)?;
+        let sweep = &study.sweeps[place];
+        let by_name = sweep.values.iter().find(|own| own.to_string() == value.trim_matches('"'));
+        let by_size = || match sweep.values[0].quantity() {
+            Some(_) => value_of(sweep, value).and_then(|value| swept(sweep, value)),
+            None => {
+                let names: Vec<String> = sweep.values.iter().map(SweepValue::to_string).collect();
+                Err(format!("the values of {} are {}", sweep.key.name, listed(&names)))
+            }
+        };
+        if chosen[place].is_some() {
+            return Err(refused(format!("{} has a value already", sweep.key.name)));
+        }
+        chosen[place] = Some(match by_name {
+            Some(own) => own.clone(),
+            None => SweepValue::Quantity(by_size().map_err(refused)?),
+        });
+    }
+    let mut points = points.iter().filter(|point| {
+        let mut values = swept_of(point).iter().zip(&chosen);
+        values.all(|((_, own), chosen)| chosen.as_ref().is_none_or(|chosen| own == chosen))
+    });
+    let (Some(point), None) = (points.next(), points.next()) else {
+        let open = study.sweeps.iter().zip(&chosen).filter(|(_, chosen)| chosen.is_none());
+        let open: Vec<&str> = open.map(|(sweep, _)| sweep.key.name).collect();
+        let message =
+            format!("the study has several points\nchoose one: `at = KEY=VALUE` for {}", open.join(", "));
+        return Err(SimulateError::Request(message));
+    };
+    Ok(point)
 }

@@ -34,9 +34,47 @@ fn records(parts: Vec<Part>, readout_lsb: f64, mean_rate: f64) -> Records {
 /// Records of a noise at `1 / step_s`.
 fn simulation(step_s: f64, length_s: f64) -> Simulation {
     let noise = "angle_random_walk = \"0.01 deg/sqrt(h)\"\nreadout_lsb = \"0.02 arcsec\"\n";
-    let request =
-        SimulateRequest { sample_s: Some(step_s), length_s: Some(length_s), at: vec![], seed: Some(3) };
+    let request = SimulateRequest {
+        sample_s: Some(step_s),
+        length_s: Some(length_s),
+        seed: Some(3),
+        ..Default::default()
+    };
     Simulation::parse("noise.toml", noise, &request).unwrap()
+}
+
+#[test]
+fn pulses_without_a_motion_are_those_of_the_kernel() {
+    let parts = vec![Part::angle_random_walk(0.04), Part::rate_random_walk(2e-4)];
+    for (readout_lsb, mean_rate) in [(0.0, 3.0), (0.7, 0.0), (0.7, -15.04), (0.7, 720_000.0)] {
+        let records = records(parts.clone(), readout_lsb, mean_rate);
+        for number in [0, 1 << 40] {
+            let still = records.turned_increments(number, std::iter::repeat(0));
+            assert!(still.eq(records.increments(number)), "{readout_lsb} {mean_rate} {number}");
+        }
+    }
+}
+
+#[test]
+fn pulses_are_those_of_noise_and_motion_together() {
+    let still = records(vec![Part::angle_random_walk(0.04)], 0.0, 0.0);
+    let read = records(vec![Part::angle_random_walk(0.04)], 0.7, 0.0);
+    // A turn of 3″ back and forth.
+    let turned = |lsb: f64| {
+        let angle = move |k: u64| (3.0 * (0.01 * k as f64).sin() / lsb * 2_f64.powi(32)).round() as i128;
+        (0..SAMPLES).map(move |k| angle(k + 1) - angle(k))
+    };
+    let pulses: Vec<f64> = read.turned_increments(5, turned(read.lsb_arcsec())).collect();
+    let (mut angle, mut counted, mut errors) = (0.0, 0.0, vec![]);
+    for (smooth, pulses) in still.turned_increments(5, turned(still.lsb_arcsec())).zip(pulses) {
+        assert!((pulses / 0.7 - (pulses / 0.7).round()).abs() < 1e-9, "{pulses}");
+        angle += smooth;
+        counted += pulses;
+        errors.push(angle - counted);
+    }
+    let [least, most] = [f64::min, f64::max].map(|of| errors.iter().copied().reduce(of).unwrap());
+    // The same noise in another unit; the start in a pulse is drawn.
+    assert!(most - least < 0.7 + 1e-3 && most - least > 0.69, "{least} to {most}");
 }
 
 /// The overlapping Allan variance of angles, (″/s)².
@@ -91,9 +129,9 @@ fn every_form_is_read_as_the_samples_and_the_step_that_were_written() {
     for (numbers, data) in
         [(Numbers::Rate, Data::Rate), (Numbers::Increment, Data::Increment), (Numbers::Angle, Data::Angle)]
     {
-        let expected: Vec<f64> = simulation.numbers(7, numbers).collect();
+        let expected: Vec<f64> = simulation.numbers(7, 0, numbers).collect();
         assert_eq!(expected.len(), 5000);
-        for form in [Form::Csv, Form::Npz, Form::Mat, Form::Mcap] {
+        for form in [Form::Csv, Form::Npz, Form::Mat, Form::Hdf5, Form::Mcap] {
             if form == Form::Mcap && numbers != Numbers::Rate {
                 assert!(simulation.check(numbers, form).is_err());
                 continue;
@@ -144,4 +182,17 @@ fn nothing_is_computed_once_the_output_fails() {
         // The whole record takes several seconds.
         assert!(start.elapsed().as_secs_f64() < 0.5, "{form:?}");
     }
+}
+
+#[test]
+fn a_billion_samples_are_made_one_by_one() {
+    let noise = "angle_random_walk = \"0.01 deg/sqrt(h)\"\nrate_random_walk = \"0.01 deg/h/sqrt(h)\"\nmarkov = { amplitude = \"1 deg/h\", time = \"10 s\" }\n";
+    let request = SimulateRequest { sample_s: Some(1e-3), length_s: Some(1e6), ..Default::default() };
+    let simulation = Simulation::parse("noise.toml", noise, &request).unwrap();
+    assert_eq!(simulation.samples(), 1_000_000_000);
+    let count = 200_000;
+    let sum: f64 = simulation.numbers(0, 0, Numbers::Increment).take(count).map(|angle| angle * angle).sum();
+    // 0.6 ″/√s; the other terms are small in so short a time.
+    let found = (sum / count as f64).sqrt() / (0.6 * 1e-3_f64.sqrt());
+    assert!((found - 1.0).abs() < 0.01, "{found}");
 }

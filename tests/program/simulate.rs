@@ -49,7 +49,7 @@ fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
         };
         assert_eq!((form == "npy", doubles(numbers)), (numbers.len() < bytes.len(), rates.clone()), "{form}");
     }
-    for form in ["npz", "mat", "mcap"] {
+    for form in ["npz", "mat", "h5", "mcap"] {
         desk.done(&format!("{RECORD} --seed 3 --first 7 --form {form} --out {form}"));
         let column = if form == "mcap" { "--column gz" } else { "" };
         desk.done(&format!(
@@ -57,7 +57,7 @@ fn a_record_of_a_seed_is_the_same_wherever_it_is_made_and_in_every_form() {
         ));
     }
     desk.done("allan all/record_00007.csv --bootstrap 0 --fit none --out of_csv");
-    for form in ["npz", "mat", "mcap"] {
+    for form in ["npz", "mat", "h5", "mcap"] {
         let curve = |form: &str| -> Vec<String> {
             desk.table(&format!("of_{form}/curve.csv")).iter().map(|row| row["value"].clone()).collect()
         };
@@ -161,4 +161,215 @@ fn what_cannot_be_simulated_is_refused_with_what_to_give() {
     );
     desk.done("simulate two.toml --at angle_random_walk=0.01deg/sqrt(h) --first 1 --out of_0.01");
     assert!(desk.path("of_0.01/record_00000.csv").is_file(), "records that were there stay");
+}
+
+/// The columns of a record as text.
+fn columns(csv: &str) -> Vec<Vec<f64>> {
+    let rows = csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect());
+    let rows: Vec<Vec<f64>> = rows.collect();
+    (0..rows[0].len()).map(|column| rows.iter().map(|row| row[column]).collect()).collect()
+}
+
+const MOTION: &str = "[motion]\ntones = [{ amplitude = \"90 arcsec\", frequency = [\"2 Hz\", \"3 Hz\"] },\n\
+                      { amplitude = { uniform = [\"10 arcsec/s\", \"20 arcsec/s\"] }, frequency = \"0.1 Hz\", phase = \"extremum\" }]\n";
+
+#[test]
+fn motion_is_added_to_the_noise_and_its_truth_is_written() {
+    let desk = desk();
+    desk.write("motion.toml", MOTION);
+    let record = "simulate noise.toml --rate 50Hz --length 40s --seed 3 --records 2";
+    desk.done(&format!("{record} --out still"));
+    desk.done(&format!("{record} --motion motion.toml --truth --out moving"));
+    for number in 0..2 {
+        let name = format!("record_{number:05}");
+        let csv = desk.read(&format!("moving/{name}.csv"));
+        assert!(csv.starts_with("time [s],rate [deg/h],true_rate [deg/h]\n"), "{}", &csv[..60]);
+        let found = columns(&csv);
+        let still = numbers(&desk.read(&format!("still/{name}.csv")));
+        let tones = desk.table(&format!("moving/{name}_tones.csv"));
+        let value = |tone: usize, column: &str| tones[tone][column].parse::<f64>().unwrap();
+        assert!((2.0..3.0).contains(&value(0, "frequency_hz")) && value(1, "phase_deg") == 90.0);
+        let amplitude =
+            value(0, "amplitude_arcsec_per_s") / (std::f64::consts::TAU * value(0, "frequency_hz"));
+        assert!((amplitude - 90.0).abs() < 1e-9, "{amplitude}");
+        for sample in 0..2000 {
+            let motion = found[2][sample];
+            assert!((found[1][sample] - still[sample] - motion).abs() < 1e-6, "{sample}");
+            // The mean of a sine over a sample is that in its middle times a sinc.
+            let middle_s = (sample as f64 + 0.5) / 50.0;
+            let sine = |tone: usize| {
+                let half = std::f64::consts::PI * value(tone, "frequency_hz") / 50.0;
+                let turns = value(tone, "frequency_hz") * middle_s + value(tone, "phase_deg") / 360.0;
+                value(tone, "amplitude_arcsec_per_s") * half.sin() / half
+                    * (std::f64::consts::TAU * turns).sin()
+            };
+            assert!((motion - sine(0) - sine(1)).abs() < 1e-5, "{sample}: {motion}");
+        }
+    }
+    let sidecar = desk.read("moving/simulated.toml");
+    assert!(
+        sidecar.contains("# The base turns by the motion of motion.toml") && sidecar.contains("# tones = [{")
+    );
+    desk.fails(&format!("{record} --motion motion.toml --out still"), 2, &["give another folder"]);
+    desk.fails(&format!("{record} --motion none.toml --out none"), 2, &["cannot read the motion none.toml"]);
+    desk.fails(
+        &format!("{record} --motion x=motion.toml --motion motion.toml --out none"),
+        2,
+        &["two motions"],
+    );
+    desk.fails(&format!("{record} --motion y=motion.toml --out none"), 2, &["give --axes 3"]);
+    desk.write("bad.toml", "amplitude = \"3 arcsec\"\nfrequency = \"1 kHz\"\n");
+    desk.fails(
+        &format!("{record} --motion bad.toml --out none"),
+        3,
+        &["bad.toml:2", "ten times the sampling rate"],
+    );
+}
+
+#[test]
+fn pulses_give_the_quantization_of_their_size() {
+    let desk = desk();
+    desk.write("pulses.toml", "angle_random_walk = \"0.01 deg/sqrt(h)\"\nreadout_lsb = \"0.5 arcsec\"\n");
+    desk.write("turn.toml", "rate = \"15.041 deg/h\"\n");
+    let record = "simulate pulses.toml --rate 20Hz --length 10min --seed 4 --data pulses --motion turn.toml";
+    desk.done(&format!("{record} --records 20 --out all"));
+    let csv = desk.read("all/record_00000.csv");
+    assert!(csv.starts_with("time [s],pulses [0.5 arcsec/pulse]\n"), "{}", &csv[..60]);
+    let pulses = numbers(&csv);
+    assert!(pulses.iter().all(|pulses| pulses.fract() == 0.0));
+    let turned = 0.5 * pulses.iter().sum::<f64>();
+    assert!((turned - 15.041 * 600.0).abs() < 100.0, "{turned}");
+    let mut within = 0;
+    for record in 0..20 {
+        desk.done(&format!(
+            "allan all/record_{record:05}.csv --data increment --bootstrap 0 --fit Q,N --out out"
+        ));
+        let coefficients = desk.table("out/coefficients.csv");
+        let row = coefficients.iter().find(|row| row["coefficient"] == "Q").unwrap();
+        let end = |name: &str| row[name].parse::<f64>().unwrap();
+        within += usize::from((end("lower")..=end("upper")).contains(&(0.5 / 12_f64.sqrt())));
+    }
+    // 99.9 % of 20 draws of 95 % are 15 or more.
+    assert!(within >= 15, "{within}");
+    desk.fails("simulate noise.toml --rate 1Hz --length 1h --data pulses", 2, &["readout_lsb"]);
+}
+
+#[test]
+fn three_axes_have_noise_of_their_own_and_sense_the_motion_of_the_others() {
+    let desk = desk();
+    desk.write("spin.toml", "rate = \"100 deg/s\"\n");
+    desk.write("sway.toml", "amplitude = \"3 deg/s\"\nfrequency = \"1 Hz\"\n");
+    let record = "simulate noise.toml --rate 20Hz --length 30s --seed 3";
+    desk.done(&format!("{record} --records 6 --out single"));
+    desk.done(&format!("{record} --axes 3 --records 2 --out three"));
+    let single = |number: usize| numbers(&desk.read(&format!("single/record_{number:05}.csv")));
+    let three = columns(&desk.read("three/record_00001.csv"));
+    assert_eq!(three[1..], [single(3), single(4), single(5)]);
+    let moving = "--motion spin.toml --motion y=sway.toml --misalignment xz=10arcsec,yx=-1deg,xy=2mrad --scale-factor z=50ppm,x=-0.1%";
+    desk.done(&format!("{record} --axes 3 --first 1 {moving} --truth --out moving"));
+    let moving_text = desk.read("moving/record_00001.csv");
+    let title =
+        "time [s],rate_x [deg/h],rate_y [deg/h],rate_z [deg/h],true_rate_y [deg/h],true_rate_z [deg/h]";
+    assert!(moving_text.starts_with(title), "{}", &moving_text[..99]);
+    let found = columns(&moving_text);
+    let arcsec = (1.0_f64 / 3600.0).to_radians();
+    for sample in 0..600 {
+        let [y, z] = [found[4][sample], found[5][sample]];
+        assert!((z - 360_000.0).abs() < 1e-6, "{z}");
+        let turned = [(1.0 - 1e-3) * (2e-3 * y + 10.0 * arcsec * z), y, (1.0 + 50e-6) * z];
+        for axis in 0..3 {
+            let found = found[1 + axis][sample] - three[1 + axis][sample];
+            assert!((found - turned[axis]).abs() < 1e-4, "{axis} {sample}: {found}, not {}", turned[axis]);
+        }
+    }
+    desk.done(&format!("{record} --axes 3 --records 2 --form mcap --out ros"));
+    for (axis, column) in ["gx", "gy", "gz"].into_iter().enumerate() {
+        desk.done(&format!(
+            "allan ros/record_00001.mcap --column {column} --bootstrap 0 --fit none --out of_ros"
+        ));
+        desk.done(&format!("allan single/record_{:05}.csv --bootstrap 0 --fit none --out of_csv", 3 + axis));
+        let curve = |out: &str| -> Vec<f64> {
+            desk.table(&format!("{out}/curve.csv")).iter().map(|row| row["value"].parse().unwrap()).collect()
+        };
+        let (ros, csv) = (curve("of_ros"), curve("of_csv"));
+        assert!(
+            ros.len() == csv.len() && ros.iter().zip(&csv).all(|(a, b)| (a / b - 1.0).abs() < 1e-9),
+            "{column}"
+        );
+    }
+    desk.fails(
+        &format!("{record} --axes 3 --misalignment xy=10arcsec --out none"),
+        2,
+        &["give --motion FILE"],
+    );
+    desk.fails(&format!("{record} --axes 3 --misalignment xx=10arcsec --out none"), 2, &["xy=10arcsec"]);
+    desk.fails(&format!("{record} --axes 3 --scale-factor x=2 --out none"), 2, &["ppm"]);
+}
+
+#[test]
+fn a_dependence_on_temperature_is_recovered() {
+    let desk = desk();
+    let warm = "--temperature 20..60 --temperature-coefficient 0.02deg/h/K";
+    desk.done(&format!("simulate noise.toml --rate 1Hz --length 4h --seed 3 {warm} --out warm"));
+    desk.done("simulate noise.toml --rate 1Hz --length 4h --seed 3 --out cold");
+    let csv = desk.read("warm/record_00000.csv");
+    assert!(csv.starts_with("time [s],rate [deg/h],temperature [degC]\n"), "{}", &csv[..60]);
+    let (warm, cold) = (columns(&csv), numbers(&desk.read("cold/record_00000.csv")));
+    for sample in 0..14_400 {
+        let temperature = warm[2][sample];
+        let expected = 20.0 + 40.0 * (sample as f64 + 0.5) / 14_400.0;
+        assert!((temperature - expected).abs() < 1e-9, "{sample}");
+        let added = warm[1][sample] - cold[sample];
+        assert!((added - 0.02 * (temperature - 20.0)).abs() < 1e-6, "{sample}: {added}");
+    }
+    desk.write("quiet.toml", "angle_random_walk = \"0.001 deg/sqrt(h)\"\n");
+    desk.done(
+        "simulate quiet.toml --rate 1Hz --length 4h --temperature 20..60 --temperature-coefficient 0.02deg/h/K --out quiet",
+    );
+    desk.done("allan quiet/record_00000.csv --column rate --temperature temperature --bootstrap 0 --fit N --out found");
+    let rows = desk.table("found/temperature.csv");
+    let row = rows.iter().find(|row| row["coefficient"] == "T").unwrap_or_else(|| panic!("{rows:?}"));
+    let value = |name: &str| row[name].parse::<f64>().unwrap_or_else(|_| panic!("{row:?}"));
+    assert!((value("value") - 0.02).abs() < 5e-4, "{row:?}");
+    assert!((value("lower")..=value("upper")).contains(&0.02), "{row:?}");
+}
+
+#[test]
+fn a_gap_fill_study_gives_its_ticks() {
+    let desk = desk();
+    let study = "title = \"Gap\"\nkind = \"gap-fill\"\nseed = 4\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.5 arcsec\" }\n\
+                 [motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n[switching]\ngap_ticks = 3\nfillers = [\"const\"]\n\
+                 errors = [\"residual\"]\n[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"10 Hz\", \"20 Hz\"]\n";
+    desk.write("gap.toml", study);
+    desk.done("simulate gap.toml --at frequency=10Hz --length 20s --data increment --truth --out made");
+    let found = columns(&desk.read("made/record_00000.csv"));
+    assert_eq!(found[1].len(), 4000);
+    let rms = |numbers: &mut dyn Iterator<Item = f64>| (numbers.map(|x| x * x).sum::<f64>() / 4000.0).sqrt();
+    let noise = rms(&mut found[1].iter().zip(&found[2]).map(|(read, truth)| read - truth));
+    assert!((noise - 0.5).abs() < 0.03, "{noise}");
+    // A_Ω T sinc(νT)/√2.
+    let half = std::f64::consts::PI * 0.05;
+    let expected = 12000.0 * 0.005 * half.sin() / half / 2_f64.sqrt();
+    let motion = rms(&mut found[2].iter().copied());
+    assert!((motion / expected - 1.0).abs() < 1e-6, "{motion}, not {expected}");
+    assert_eq!(desk.table("made/record_00000_tones.csv")[0]["frequency_hz"], "10");
+    desk.fails("simulate gap.toml --at frequency=10Hz --out none", 2, &["give --length TIME"]);
+    desk.fails("simulate gap.toml --length 9s --out none", 2, &["--at KEY=VALUE for motion.frequency"]);
+}
+
+#[test]
+fn long_records_are_refused_only_where_their_noise_cannot_be_made() {
+    let desk = desk();
+    let long = |noise: &str| {
+        desk.write("long.toml", noise);
+        "simulate long.toml --rate 1kHz --length 1000000s --records 1"
+    };
+    desk.fails(long("bias_instability = \"1 deg/h\"\n"), 3, &["noise.bias_instability", "2^27 samples"]);
+    let ramp = "rate_ramp = \"1 deg/h/h\"\nangle_random_walk = \"0.1 deg/sqrt(h)\"\n";
+    desk.fails(long(ramp), 3, &["too long for a ramp", "2^26 samples"]);
+    desk.fails(
+        "simulate long.toml --rate 1kHz --length 10000000s",
+        2,
+        &["accepted: 16 to 2147483584 samples"],
+    );
 }

@@ -4,7 +4,8 @@
 //! rounded. A sample is therefore the same to the last bit wherever it is computed, and costs the same for any number of taps.
 //!
 //! The filter has the phase 0 and the gain √S at as many frequencies as it has taps, each of which takes the power of lines
-//! in proportion to their nearness. A Hann window between the ends of the taps removes the ripples between these frequencies.
+//! in proportion to their nearness. A window of sin⁶ between the ends of the taps removes the ripples between these frequencies and, far
+//! from the motion, what would act as a drift.
 
 use core::f64::consts::{PI, TAU};
 
@@ -20,7 +21,7 @@ use sagnac_theory::quadrature::Rule;
 /// Fewest and most taps.
 const TAPS: [usize; 2] = [1 << 8, 1 << 18];
 /// Least number of frequencies of the filter below the lowest one of the motion, so that none of it is a drift.
-const BELOW: f64 = 4.0;
+const BELOW: f64 = 16.0;
 /// Most of the power that the filter may have at other frequencies than the motion.
 const MAX_MISPLACED: f64 = 0.01;
 /// Fractional bits of the white numbers.
@@ -73,7 +74,7 @@ impl Filter {
             significant(sample_s, 6)
         );
         let help = "take a tone with a Rayleigh-distributed amplitude for a narrow band, a higher lower end, or a lower rate";
-        Err(Unrepresentable::new("motion.gaussian", found, help))
+        Err(Unrepresentable::new(gaussian.key(), found, help))
     }
 
     /// The taps as whole numbers.
@@ -145,7 +146,8 @@ fn taps(powers: &[f64], variance: f64) -> Vec<f64> {
     taps.rotate_right(count / 2);
     for (place, tap) in taps.iter_mut().enumerate() {
         let sine = libm::sin(PI * place as f64 / count as f64);
-        *tap *= sine * sine;
+        let square = sine * sine;
+        *tap *= square * square * square;
     }
     let square: f64 = taps.iter().map(|tap| tap * tap).sum();
     let scale = libm::sqrt(variance / square);
@@ -312,6 +314,25 @@ mod tests {
         for (k, found) in x.into_iter().enumerate() {
             let expected: i64 = (0..64).map(|j| a[j] * b[(k + 64 - j) % 64]).sum();
             assert_eq!(signed(found), expected, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_filter_has_the_gain_of_its_band_and_none_near_0() {
+        let band: Vec<TickLine> =
+            (0..1000).map(|k| TickLine { nu_t: 0.1 + 1e-4 * (f64::from(k) + 0.5), rms: 0.1 }).collect();
+        let taps = taps(&powers(&band, 1024), 10.0);
+        let gain = |nu_t: f64| {
+            let turned = |(place, tap): (usize, &f64)| tap * libm::cos(TAU * nu_t * (place as f64 - 512.0));
+            taps.iter().enumerate().map(turned).sum::<f64>().abs()
+        };
+        // The power of 10 in a band of 0.1 on both sides of 0.
+        let inside = libm::sqrt(50.0);
+        for nu_t in [0.12, 0.1503, 0.18] {
+            assert!((gain(nu_t) / inside - 1.0).abs() < 0.01, "{nu_t}: {}", gain(nu_t));
+        }
+        for nu_t in [0.0, 1e-4, 5e-4, 0.0123, 0.04, 0.0804, 0.23, 0.5] {
+            assert!(gain(nu_t) < 1e-6 * inside, "{nu_t}: {}", gain(nu_t));
         }
     }
 

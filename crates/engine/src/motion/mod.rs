@@ -10,9 +10,9 @@ use std::sync::{Arc, Weak};
 use crate::key::ParseContext;
 use crate::key::document::SpanMap;
 use crate::motion::keys::{
-    ACCELERATION_DENSITIES, ALIAS, Design, GYRO, Interpolation, MODE_FREQUENCY, MODE_Q, MODE_RESPONSE, MODES,
-    Phase, Position, RANDOM, RANDOM_PSD, RANDOM_RMS, SINE, SINE_ACCELERATION, SINE_FREQUENCY, SUSPENSION,
-    SuspensionKeys, read_psd,
+    ACCELERATION_DENSITIES, ALIAS, Design, GAUSSIAN, GYRO, Interpolation, MODE_FREQUENCY, MODE_Q,
+    MODE_RESPONSE, MODES, Phase, Position, RANDOM, RANDOM_PSD, RANDOM_RMS, SINE, SINE_ACCELERATION,
+    SINE_FREQUENCY, SUSPENSION, SuspensionKeys, read_psd,
 };
 use crate::tally::Id;
 use sagnac_base::diagnostics::Fault;
@@ -241,6 +241,14 @@ impl Gaussian {
             Gaussian::Band { band, .. } => Some(band.high_hz),
             Gaussian::Psd(psd) => psd.points().last().map(|point| point[0]),
             Gaussian::Vibration { .. } => None,
+        }
+    }
+
+    /// The key that gives it.
+    pub(crate) fn key(&self) -> &'static str {
+        match self {
+            Gaussian::Band { .. } | Gaussian::Psd(_) => GAUSSIAN.name,
+            Gaussian::Vibration { .. } => SUSPENSION.name,
         }
     }
 

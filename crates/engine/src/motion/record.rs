@@ -128,8 +128,9 @@ impl RecordMotion {
             check_rate("motion.amplitude", rate * RAYLEIGH_REACH, sample_s, unit)?;
         }
         if let Some(gaussian) = &motion.gaussian {
-            check_frequency("motion.gaussian", gaussian.frequencies_hz()[1], sample_s)?;
-            check_rate("motion.gaussian", libm::sqrt(gaussian.variance()) * GAUSSIAN_REACH, sample_s, unit)?;
+            let key = gaussian.key();
+            check_frequency(key, gaussian.frequencies_hz()[1], sample_s)?;
+            check_rate(key, libm::sqrt(gaussian.variance()) * GAUSSIAN_REACH, sample_s, unit)?;
         }
         let end_s = sample_s * samples.count as f64;
         let rates = motion.rate.abs() + motion.acceleration.abs() * end_s;
