@@ -1,8 +1,8 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and the schema of documents take their meanings.
 
 use crate::analysis::{
-    batch, compare, design, dynamic, firmware, log, model, navigators, requirement, sensitivity, spectrum,
-    temperature,
+    batch, compare, design, dynamic, firmware, hat, log, model, navigators, requirement, sensitivity,
+    spectrum, temperature,
 };
 use sagnac_base::quantity::bare;
 use sagnac_base::table::About;
@@ -80,6 +80,7 @@ pub fn files() -> Vec<File> {
             command("coefficients.csv", "sagnac compare", abouts(&compare::report::coefficient_columns())),
             command("units.csv", "sagnac compare", abouts(&batch::report::unit_columns())),
             command("batch.csv", "sagnac compare", abouts(&batch::report::batch_columns())),
+            command("hat.csv", "sagnac compare", abouts(&hat::columns())),
             command("model.csv", "sagnac model", abouts(&model::tables::columns())),
             command("fillers.csv", "sagnac filler", abouts(&firmware::report::filler_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::report::columns())),

@@ -58,7 +58,7 @@
 //! | [`curve`](allan::curve()), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
 //! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
-//! | [`allan`](use_cases::allan), [`compare_logs`](use_cases::compare_logs), [`compare_units`](use_cases::compare_units), [`model_noise`](use_cases::model_noise) | what the commands on logs do, each from a request to an [`Outcome`](use_cases::Outcome) |
+//! | [`allan`](use_cases::allan), [`compare_logs`](use_cases::compare_logs), [`compare_units`](use_cases::compare_units), [`three_cornered_hat`](use_cases::three_cornered_hat), [`model_noise`](use_cases::model_noise) | what the commands on logs do, each from a request to an [`Outcome`](use_cases::Outcome) |
 //! | [`Dynamic`](analysis::dynamic::Dynamic), [`Batch`](analysis::batch::Batch) | the noise of a log over time, and a batch of units with its outliers |
 //! | [`design`](analysis::design::design), [`filler`](analysis::firmware::filler), [`sensitivity`](analysis::sensitivity::sensitivity) | the best switching interval and filler, fillers for firmware, and which uncertain input decides |
 //! | [`check`](check::check) | whether a results folder is intact and complete |

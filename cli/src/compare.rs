@@ -13,7 +13,9 @@ use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::record::curve_file::CurveFile;
 use sagnac::record::log::Log;
 use sagnac::record::log::read::Request;
-use sagnac::use_cases::{BatchRequest, CompareRequest, LogError, compare_logs, compare_units};
+use sagnac::use_cases::{
+    BatchRequest, CompareRequest, LogError, compare_logs, compare_units, three_cornered_hat,
+};
 use sagnac_engine::key::docs::note;
 
 const EXAMPLES: &str = "\
@@ -24,6 +26,7 @@ Examples:
   sagnac compare gyro1.csv gyro2.csv gyro3.csv --unit deg/h --rate 100Hz --column gz \\
     --limit \"N=0.003 deg/sqrt(h)\"
   sagnac compare bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
+  sagnac compare gyro1.csv gyro2.csv gyro3.csv --unit deg/h --rate 100Hz --column gz --hat
   sagnac compare curve.csv gyro.csv --unit deg/h --rate 100Hz --column gz
   sagnac compare noise.toml gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
 
@@ -51,6 +54,9 @@ pub struct Options {
     /// in_run_bias_stability; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub limit: Vec<String>,
+    /// Noise of each of three units that ran together, without their common motion (three-cornered hat)
+    #[arg(long, conflicts_with_all = ["limit", "max_ratio", "fit", "fit_from", "fit_to", "force", "detrend"])]
+    hat: bool,
     #[command(flatten)]
     pub output: Output,
 }
@@ -58,6 +64,7 @@ pub struct Options {
 /// Compares two logs, or the units of a batch.
 pub fn compare(options: &Options) -> Result<(), Failure> {
     match &options.files[..] {
+        _ if options.hat => hat(options),
         [a, b] => pair(options, [a, b].map(PathBuf::as_path)),
         _ if options.max_ratio.is_empty() => batch(options, "batch"),
         _ => Err(Failure::Usage(
@@ -140,11 +147,32 @@ fn sides(reading: &Reading, files: [&Path; 2]) -> Result<[Read; 2], Failure> {
     Ok([read(0, of_first)?, read(1, of_second)?])
 }
 
+/// The first file that is a curve.
+fn curve_among(options: &Options) -> Option<&Path> {
+    let is_curve = |path: &&PathBuf| !options.reading.is_of_log() && CurveFile::is_one(path);
+    options.files.iter().find(is_curve).map(PathBuf::as_path)
+}
+
+/// Gives the noise of each of three units that ran together.
+fn hat(options: &Options) -> Result<(), Failure> {
+    let reading = &options.reading;
+    if let Some(path) = curve_among(options) {
+        options.given.check_curve(path)?;
+    }
+    let request = reading.request()?;
+    let read = |path: &PathBuf| reading.read(path, &request);
+    let logs: Vec<Log> = options.files.iter().map(read).collect::<Result<_, _>>()?;
+    let logs: Vec<(&Path, &Log)> = options.files.iter().map(PathBuf::as_path).zip(&logs).collect();
+    let outcome = three_cornered_hat(&logs, &reading.treatment())?;
+    let inputs = options.files.iter().map(PathBuf::as_path);
+    let folder = options.output.folder("hat");
+    print_documents(options.output.finish(&outcome, &folder, inputs, &[])?.as_slice(), 1)
+}
+
 /// Pools the logs of a batch; `name` is that of the results folder.
 pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
     let reading = &options.reading;
-    let is_curve = |path: &&PathBuf| !reading.is_of_log() && CurveFile::is_one(path);
-    if let Some(path) = options.files.iter().find(is_curve) {
+    if let Some(path) = curve_among(options) {
         let message = format!(
             "{} is a curve, and a batch is of logs\ncompare it with one log or curve",
             path.display()

@@ -12,11 +12,12 @@ use sagnac::study::Study;
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 9] = [
+const WRITTEN: [(&str, &str); 10] = [
     ("curve.csv", "allan"),
     ("psd.csv", "allan"),
     ("compare.csv", "compare"),
     ("batch.csv", "compare"),
+    ("hat.csv", "compare"),
     ("model.csv", "model"),
     ("design.json", "design"),
     ("sensitivity.json", "sensitivity"),

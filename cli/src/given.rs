@@ -11,7 +11,7 @@ const RANGE: &str = "set the range of the fit by --fit-from and --fit-to";
 const LEAVE_OUT: &str = "leave it out";
 
 /// The options that need a log, by their names with underscores, with what to do for a curve.
-const OF_LOGS: [(&str, &str); 25] = [
+const OF_LOGS: [(&str, &str); 26] = [
     ("bootstrap", LEAVE_OUT),
     ("compensate", LEAVE_OUT),
     ("decimal", LEAVE_OUT),
@@ -19,6 +19,7 @@ const OF_LOGS: [(&str, &str); 25] = [
     ("deviation", "choose the column of an Allan deviation by --column"),
     ("duplicates", LEAVE_OUT),
     ("dynamic", LEAVE_OUT),
+    ("hat", "give logs of three units"),
     ("intervals", "give the errors of the points by --curve-interval"),
     ("navigate", LEAVE_OUT),
     ("no_psd", LEAVE_OUT),

@@ -11,6 +11,7 @@ pub mod design;
 pub mod dynamic;
 pub mod firmware;
 pub mod given_curve;
+pub mod hat;
 mod jackknife;
 pub mod log;
 pub mod model;

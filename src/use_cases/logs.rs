@@ -8,6 +8,7 @@
 //! CurveFile ─────────────── fit_curve ─▶ given_curve::Analysis ─▶ Outcome
 //! two Logs, CurveFiles or Stated, CompareRequest ─ compare_logs ─▶ Outcome
 //! Logs, BatchRequest ─────── BatchRequest::analyze ─▶ log::Analysis ─ compare_units ─▶ Outcome
+//! Logs of three units ─── three_cornered_hat ─▶ Outcome
 //! Log or noise.toml, ModelRequest ── model_noise ─▶ Outcome
 //! ```
 
@@ -18,6 +19,7 @@ use crate::analysis::compare::logs::{self, CompareError, Compared, RatioLimit};
 use crate::analysis::data_sheet::Intervals;
 use crate::analysis::dynamic::{self, Dynamic, DynamicError};
 use crate::analysis::given_curve;
+use crate::analysis::hat::{self, HatError};
 use crate::analysis::log::report::heading;
 use crate::analysis::log::{self, NoiseRequest, Treatment, noise_file};
 use crate::analysis::model::tables::Models;
@@ -26,7 +28,7 @@ use crate::analysis::model::writers::{WRITERS, notes, texts};
 use crate::analysis::model::{self, ModelError, ModelRequest};
 use crate::analysis::navigators::{self, NavigatorRequest, navigators};
 use crate::analysis::page::{
-    of_batch, of_comparison, of_curve, of_dynamic, of_log, of_model, of_navigators, of_temperature,
+    of_batch, of_comparison, of_curve, of_dynamic, of_hat, of_log, of_model, of_navigators, of_temperature,
 };
 use crate::analysis::requirement::{Limit, LimitError, applies, check};
 use crate::analysis::spectrum::{self, NoSpectrum, densities};
@@ -70,6 +72,9 @@ pub enum LogError {
     /// Some logs are no batch.
     #[error(transparent)]
     Batch(#[from] BatchError),
+    /// Some logs have no three-cornered hat.
+    #[error(transparent)]
+    Hat(#[from] HatError),
     /// There is no model.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -82,6 +87,7 @@ impl LogError {
             LogError::Limit(_) | LogError::RatioLimit(_) | LogError::NoFit | LogError::NoTemperature => true,
             LogError::Tau(error) => matches!(error, TauError::NoTime(_)),
             LogError::Batch(error) => !matches!(error, BatchError::Units { .. }),
+            LogError::Hat(error) => matches!(error, HatError::Count(_)),
             LogError::Model(error) => error.is_usage(),
             LogError::Compare(error) => {
                 matches!(error, CompareError::NothingEstimated | CompareError::NoFit)
@@ -382,6 +388,15 @@ pub fn compare_units(logs: Vec<log::Analysis>, request: &BatchRequest) -> Result
     };
     let heading = format!("{} units of {logs}", batch.labels.len());
     Ok(Outcome::new(heading, of_batch(&batch, &decision)).among(["limits.csv", "chart-1", "chart-2"]))
+}
+
+/// The noise of each of three units that ran together, the columns of logs that were read from these paths.
+///
+/// # Errors
+/// There are not three units, or they were not sampled together.
+pub fn three_cornered_hat(logs: &[(&Path, &Log)], treatment: &Treatment) -> Result<Outcome, LogError> {
+    let hat = hat::Analysis::of(logs, treatment)?;
+    Ok(Outcome::new(hat.heading(), of_hat(&hat)).among(["hat.csv", "chart-1"]))
 }
 
 /// The noise that is modelled.

@@ -19,7 +19,7 @@ pub use added::{MotionText, Sensitivity, Warming};
 pub use convert::{Conversion, Converted, convert};
 pub use logs::{
     AllanRequest, BatchRequest, CompareRequest, LogError, ModelSource, Segments, allan, compare_logs,
-    compare_units, fit_curve, model_noise,
+    compare_units, fit_curve, model_noise, three_cornered_hat,
 };
 #[cfg(feature = "store")]
 pub use merge::{MergeError, MergeOutcome, MergeRequest, absolute, check_places, merge, once};

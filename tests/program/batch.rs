@@ -146,3 +146,66 @@ fn what_is_no_batch_is_refused_with_what_to_do() {
         assert!(!desk.path("results").exists(), "compare {words} left results");
     }
 }
+
+/// Records of three units on a turning table: uniform numbers of these sizes with the same sine, by a congruence that the program
+/// behind the expected numbers repeats.
+fn on_one_table() -> Desk {
+    let numbers = std::iter::successors(Some(1_u64), |n| Some(16_807 * n % 2_147_483_647)).skip(1);
+    let mut uniform = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5);
+    let columns = [1.0, 2.0, 0.5].map(|size| {
+        let rate = |(i, x): (usize, f64)| size * x + 30.0 * (0.01 * i as f64).sin();
+        uniform.by_ref().take(1000).enumerate().map(rate).collect::<Vec<f64>>()
+    });
+    let row = |i: usize| columns.each_ref().map(|column| format!("{:.12}", column[i])).join(",") + "\n";
+    desk_with("table.csv", format!("g1,g2,g3\n{}", (0..1000).map(row).collect::<String>()))
+}
+
+#[test]
+fn units_that_ran_together_have_the_hat_of_allantools() {
+    let desk = on_one_table();
+    let shown = desk.done(&format!("compare table.csv {RATE} --column g1,g2,g3 --hat --out hat")).stdout;
+    assert!(shown.contains("σ(1 s): g1 0.287, g2 0.578, g3 0.125 °/h"), "{shown}");
+    assert!(shown.contains("g3: the variance is negative at"), "{shown}");
+    let rows = desk.table("hat/hat.csv");
+    // allantools 2024.06: gcodev at τ of 1, 4, 16 and 64 s; the last variance of g3 is negative.
+    let expected = [
+        ("g1", [0.28738858, 0.14441121, 0.06965169, 0.04442035]),
+        ("g2", [0.57768581, 0.29247063, 0.13162727, 0.079772]),
+        ("g3", [0.1254121, 0.05901771, 0.03115757, -0.00449466]),
+    ];
+    for (label, deviations) in expected {
+        for (tau, deviation) in ["1", "4", "16", "64"].iter().zip(deviations) {
+            let found = row(&rows, &[("label", label), ("tau_s", tau)]);
+            let variance = number(found, "variance");
+            let expected = deviation * f64::abs(deviation);
+            assert!(
+                (variance / expected - 1.0).abs() < 1e-5,
+                "{label} at {tau} s: {variance}, not {expected}"
+            );
+            let [low, high] = ["variance_lower", "variance_upper"].map(|end| number(found, end));
+            assert!(low < variance && variance < high, "{found:?}");
+            assert_eq!(found["deviation"].is_empty(), deviation < 0.0, "{found:?}");
+        }
+    }
+    // The size over √12, though all turn by 30 °/h together.
+    let first = |label: &str| number(row(&rows, &[("label", label), ("tau_s", "1")]), "deviation");
+    for (label, size) in [("g1", 1.0), ("g2", 2.0), ("g3", 0.5)] {
+        assert!((first(label) * 12_f64.sqrt() / size - 1.0).abs() < 0.2, "{label}: {}", first(label));
+    }
+    assert!(desk.read("hat/chart-1.svg").contains("g3 negative"));
+}
+
+#[test]
+fn units_that_did_not_run_together_have_no_hat() {
+    let desk = on_one_table();
+    desk.write("short.csv", "1\n2\n3\n1\n2\n3\n1\n2\n3\n1\n2\n3\n1\n2\n3\n1\n2\n3\n");
+    desk.fails(&format!("compare table.csv {RATE} --column g1,g2 --hat"), 2, &["found 2"]);
+    desk.fails(
+        &format!("compare table.csv {RATE} --column g1,g2,g3 --hat --limit N=1deg/rt(h)"),
+        2,
+        &["--hat"],
+    );
+    desk.write("one.csv", &format!("g1\n{}", "1\n2\n3\n".repeat(300)));
+    let words = format!("compare one.csv short.csv one.csv {RATE} --hat");
+    desk.fails(&words, 3, &["they were not sampled together", "--skip TIME"]);
+}

@@ -86,6 +86,10 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
     desk.done("compare two.csv --data rate --column gx,gz --out batch");
+    let three =
+        |i: u32| [1_u32, 2, 3].map(|k| (i * (i + k) % 65_537 * 48_271 % 65_537).to_string()).join(",") + "\n";
+    desk.write("three.csv", &(0..500).map(three).fold("g1,g2,g3\n".to_owned(), |all, row| all + &row));
+    desk.done("compare three.csv --data rate --unit deg/h --rate 1Hz --column g1,g2,g3 --hat --out hat");
     desk.done(&format!("model {log} {read} --overbound --out model"));
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
     desk.done(
@@ -127,6 +131,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("compare", "coefficients.csv", "compare"),
         ("compare", "units.csv", "batch"),
         ("compare", "batch.csv", "batch"),
+        ("compare", "hat.csv", "hat"),
         ("model", "model.csv", "model"),
         ("filler", "fillers.csv", "filler"),
         ("filler", "weights.csv", "filler"),
@@ -210,6 +215,6 @@ fn a_column_is_found_by_name_or_header_and_told_by_file_where_meanings_differ() 
     let faked = self::points(&RELOCK).column("drift_arcsec_per_s");
     assert!(faked.is_some() && faked == self::points(&RELOCK).column("drift"));
     let tau: Vec<usize> = meanings("tau_s").iter().map(|(_, files)| files.len()).collect();
-    assert_eq!(tau, [7], "one text for the averaging time");
+    assert_eq!(tau, [8], "one text for the averaging time");
     assert!(meanings("mean").len() > 2, "the mean of what depends on the file");
 }

@@ -1,13 +1,15 @@
-//! The pages of two logs that are compared, and of a batch.
+//! The pages of two logs that are compared, of a batch, and of three units that ran together.
 
 use crate::analysis::batch::{self, Batch, Coefficient, Found};
 use crate::analysis::compare::answer::notes;
 use crate::analysis::compare::logs::{Analysis, Side, Subject};
 use crate::analysis::compare::report;
+use crate::analysis::hat;
 use crate::analysis::log::events;
 use crate::analysis::page::record::{self, Source};
 use crate::analysis::page::{chart, grid, grid_where, shown, texts};
 use crate::analysis::requirement::Decision;
+use sagnac_base::quantity::number::significant;
 use sagnac_base::table::titled;
 use sagnac_records::allan::Deviation;
 use sagnac_records::record::log::Log;
@@ -109,6 +111,37 @@ pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {
         .into_iter()
         .chain(decision.file())
         .collect(),
+    }
+}
+
+/// The page of three units that ran together.
+pub fn of_hat(hat: &hat::Analysis) -> Page {
+    let table = hat.table();
+    let title = titled("Allan deviation of each unit", hat.unit.symbol(Deviation::Oadev));
+    let deviations = [
+        chart("chart-1", Picture::Curves(hat.figure())),
+        Block::More(title, grid(&table, &["unit", "variance"])),
+    ];
+    let files: Vec<String> = hat
+        .labels
+        .iter()
+        .zip(&hat.paths)
+        .map(|(label, path)| format!("{label}: {}", path.display()))
+        .collect();
+    let samples = format!("{}, one every {} s", hat.samples, significant(hat.step_s, 9));
+    let facts =
+        vec![("File", files), ("Samples", vec![samples]), ("Treatment", vec![hat.treatment.summary()])];
+    Page {
+        title: "Three units that ran together".to_owned(),
+        scope: String::new(),
+        subtitle: format!("How noisy is each of {}?", hat.labels.join(", ")),
+        answer: hat.answer(),
+        notes: hat.notes(),
+        sections: vec![
+            Section::new("deviations", "Deviations", deviations),
+            Section::new("record", "Records", [Block::Facts(facts)]),
+        ],
+        tables: vec![("hat.csv", table)],
     }
 }
 

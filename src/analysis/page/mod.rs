@@ -7,7 +7,7 @@
 //! Log, Analysis with its spectra ─────────────┴ of_log ─▶ Page
 //! a curve that was read ──────────────── of_curve ─▶ Page
 //! two Logs, their comparison ──────────── of_comparison ─▶ Page
-//! Batch, Design, Firmware ─── of_batch, of_design, of_filler ─▶ Page
+//! Batch, Hat, Design, Firmware ─── of_batch, of_hat, of_design, of_filler ─▶ Page
 //! models for filters ─────────────────────────── of_model ─▶ Page
 //! Sensitivity ────────────────────────── of_sensitivity ─▶ Page
 //! store and tables of a study ─ Results ──────────── page ─▶ Page
@@ -22,7 +22,7 @@ mod record;
 mod spectrum;
 mod study;
 
-pub use crate::analysis::page::comparison::{of_batch, of_comparison};
+pub use crate::analysis::page::comparison::{of_batch, of_comparison, of_hat};
 pub use crate::analysis::page::curve::of_curve;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::design::of_filler;

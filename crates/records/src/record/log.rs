@@ -265,7 +265,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Factor from a sample, or from the difference of two angles, to ″ or µg·s.
-    fn scale(&self) -> f64 {
+    pub fn scale(&self) -> f64 {
         if self.data == Data::Rate { self.unit.factor * self.step_s } else { self.unit.factor }
     }
 
