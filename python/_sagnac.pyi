@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 from sagnac._raw import RawAnalysis, RawCurves, RawFillers, RawFit, RawResults
 
 __all__ = [
+    "Curve",
     "Log",
     "allan_variance",
     "analyze",
+    "analyze_curve",
     "batch",
     "colours",
     "compare",
     "convert",
+    "curve_of",
     "curves",
     "design",
     "drift_bound",
@@ -24,13 +27,17 @@ __all__ = [
     "drift_optimum",
     "fit",
     "gap_response",
+    "hat",
+    "is_curve",
     "magnetic_drift",
     "main",
+    "model_of_curve",
     "model_of_noise",
     "model_of_record",
     "of_kinds",
     "of_study",
     "polynomial",
+    "read_curve",
     "read_log",
     "relock_ticks",
     "run",
@@ -70,7 +77,11 @@ class Log:
     def only(self, column: int) -> Log: ...
     def compensated(self, effects: str, reading: _Reading) -> Log: ...
 
+@final
+class Curve: ...
+
 _Record: TypeAlias = Log | _Numbers
+_Side: TypeAlias = "tuple[_Record, _Reading] | Curve | tuple[Path | None, str]"
 
 class _Reading(Protocol):
     @property
@@ -276,8 +287,7 @@ def sensitivity(
     progress: Callable[[int, int, str], object] | None,
 ) -> RawAnalysis: ...
 def compare(
-    records: tuple[_Record, _Record],
-    readings: tuple[_Reading, _Reading],
+    sides: tuple[_Side, _Side],
     names: tuple[str, str],
     terms: list[str] | None,
     limits: list[str],
@@ -289,6 +299,20 @@ def batch(
     terms: list[str] | None,
     limits: list[str],
 ) -> RawAnalysis: ...
+def hat(records: Sequence[_Record], readings: Sequence[_Reading], names: Sequence[str]) -> RawAnalysis: ...
+def is_curve(path: Path) -> bool: ...
+def read_curve(path: Path, unit: str | None) -> Curve: ...
+def curve_of(name: str, columns: Sequence[Sequence[float]], unit: str) -> Curve: ...
+def analyze_curve(
+    curve: Curve,
+    name: str,
+    is_fitted: bool,
+    terms: list[str] | None,
+    range: tuple[float | None, float | None],
+    is_forced: bool,
+    limits: list[str],
+) -> RawAnalysis: ...
+def model_of_curve(curve: Curve, name: str, terms: list[str] | None, wanted: _Model) -> RawAnalysis: ...
 def analyze(record: _Record, reading: _Reading, name: str, asked: _Whole) -> RawAnalysis: ...
 def read_log(path: Path, wanted: _Wanted) -> Log: ...
 def model_of_record(

@@ -5,7 +5,8 @@
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
 - :func:`read_log` reads a log, which these functions take, as they take arrays and paths.
 - :func:`psd` computes the spectrum of a record, and :func:`compare` tells whether the noise of two records differs.
-- :func:`analyze` is the whole of ``sagnac allan``: temperature, noise over time and position error too; :func:`batch` pools units.
+- :func:`analyze` is the whole of ``sagnac allan``: temperature, noise over time and position error too; :func:`batch` pools units,
+  and :func:`hat` separates three that ran together.
 - :func:`model` turns a record or its noise into a model that a navigation filter can use.
 - :func:`design` finds the switching interval and the filler with the least drift, and :func:`sensitivity` which uncertain input
   decides an answer.
@@ -31,7 +32,7 @@ Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 from _sagnac import version as __version__
 
 from . import errors, theory
-from .analyses import Analysis, batch, compare, design, sensitivity
+from .analyses import Analysis, batch, compare, design, hat, sensitivity
 from .errors import (
     DeviceError,
     InternalError,
@@ -83,6 +84,7 @@ __all__ = [
     "errors",
     "filler",
     "fit",
+    "hat",
     "model",
     "psd",
     "read_log",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import os
-from collections.abc import Mapping
-from typing import TypeAlias
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +22,32 @@ Record: TypeAlias = ArrayLike | Log | os.PathLike[str]
 
 #: The samples, their reading, and what they are called.
 Given: TypeAlias = tuple[_sagnac.Log | Numbers, Reading, str]
+
+
+def curve_of(data: object, unit: str | None, name: str | None) -> tuple[_sagnac.Curve, str] | None:
+    """A curve with what it is called, of a tuple of averaging times, deviations and perhaps the ends of their intervals, or of the path
+    of such a file; None for a record."""
+    if isinstance(data, (str, os.PathLike)):
+        path = Path(data)
+        return (_sagnac.read_curve(path, unit), name or str(path)) if _sagnac.is_curve(path) else None
+    if not isinstance(data, tuple) or not 2 <= len(data) <= 4 or any(np.ndim(column) != 1 for column in data):
+        return None
+    if len(data) == 3 or len({len(column) for column in data}) != 1:
+        raise RecordError("the curve has columns of different lengths, or one end of its intervals\ngive (tau, sigma) or (tau, sigma, low, high)")
+    if unit is None:
+        raise UsageError('unit is missing, which a curve does not say\nadd for example unit="deg/h"')
+    columns = [np.asarray(column, dtype=np.float64).tolist() for column in data]
+    return _sagnac.curve_of(name or "curve", columns, unit), name or "curve"
+
+
+def refuse_for_curve(function: Callable[..., object], given: Mapping[str, Any], accepted: Collection[str]) -> None:
+    """Raises for an argument other than its default that a curve does not have."""
+    for name, parameter in inspect.signature(function).parameters.items():
+        is_default = given[name] is parameter.default or (
+            isinstance(given[name], (str, int, float, tuple)) and given[name] == parameter.default
+        )
+        if name not in accepted and not is_default:
+            raise UsageError(f"{name}={given[name]!r} needs a record, and a curve is given\nleave {name} out")
 
 
 def reading_of(

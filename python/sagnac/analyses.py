@@ -11,9 +11,9 @@ from typing import Any, Literal
 import _sagnac
 
 from ._raw import RawAnalysis
-from ._reading import Record, limits_of, reading_of
+from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve
 from .errors import UsageError
-from .logs import Kind, Log
+from .logs import Kind, Log, Reading
 from .results import Charted, Table, answer_of
 from .studies import MAX_TRIALS, _source, _threads, _whole
 
@@ -171,8 +171,8 @@ def sensitivity(
 
 
 def compare(
-    a: Record,
-    b: Record,
+    a: Record | Mapping[str, Any],
+    b: Record | Mapping[str, Any],
     rate: float | tuple[float, float] | None = None,
     *,
     unit: str | tuple[str, str] | None = None,
@@ -190,7 +190,8 @@ def compare(
     Parameters
     ----------
     a, b
-        The records, as for :func:`allan`. They are copied.
+        The records, as for :func:`allan`. They are copied. A curve may stand for a record, as for :func:`analyze`, and noise for one of
+        them, such as the numbers of a data sheet: a path of a noise.toml, or a dictionary as for :func:`model`.
     rate, unit
         As for :func:`allan`, for both records or one for each.
     names
@@ -215,18 +216,25 @@ def compare(
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)
     units = unit if isinstance(unit, tuple) else (unit, unit)
-    (first, of_first, one), (second, of_second, other) = (
-        reading_of(
-            record, rates[side], kind, units[side], detrend, remove_outliers, unit_check, threads,
-            name=names[side] if names else None, of_array="AB"[side],
+    given = dict(locals())
+
+    def side(place: int, data: Any) -> tuple[Any, str]:
+        name = names[place] if names else None
+        if isinstance(data, Mapping) or (isinstance(data, (str, os.PathLike)) and str(data).endswith(".toml")):
+            path, text = _source(data)
+            return (path, text), name or (str(path) if path else "AB"[place])
+        curve = curve_of(data, units[place], name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place]))
+        if curve is not None:
+            return curve
+        record, reading, called = reading_of(
+            data, rates[place], kind, units[place], detrend, remove_outliers, unit_check, threads, name=name, of_array="AB"[place]
         )
-        for side, record in enumerate((a, b))
-    )  # fmt: skip
-    return _analysis(
-        _sagnac.compare(
-            (first, second), (of_first, of_second), (one, other), _terms(terms), limits_of(limits)
-        )
-    )
+        return (record, reading), called
+
+    (first, one), (second, other) = side(0, a), side(1, b)
+    if not any(isinstance(found, tuple) and isinstance(found[-1], Reading) for found in (first, second)):
+        refuse_for_curve(compare, given, ("a", "b", "unit", "names", "terms", "limits"))
+    return _analysis(_sagnac.compare((first, second), (one, other), _terms(terms), limits_of(limits)))
 
 
 def batch(
@@ -275,6 +283,66 @@ def batch(
     >>> found.answer.split(":")[0]
     'unit 5 is an outlier'
     """
+    samples, readings, called = _records(
+        records, rate, unit, kind, names, detrend, remove_outliers, remove_events, unit_check, threads
+    )
+    return _analysis(_sagnac.batch(samples, readings, called, _terms(terms), limits_of(limits)))
+
+
+def hat(
+    records: Sequence[Record] | Log,
+    rate: float | None = None,
+    *,
+    unit: str | None = None,
+    kind: Kind | None = None,
+    names: Sequence[str] | None = None,
+    remove_outliers: bool = False,
+    unit_check: bool = True,
+    threads: int | None = None,
+) -> Analysis:
+    """The noise of each of three units that ran together, without what they measure in common (three-cornered hat), as
+    ``sagnac compare --hat`` gives it.
+
+    Parameters
+    ----------
+    records
+        The records of the three units, of one length and sampling, or a log with three columns.
+    rate, unit, kind, names, remove_outliers, unit_check, threads
+        As for :func:`batch`.
+
+    Raises
+    ------
+    RecordError, UsageError
+        There are not three records, they were not sampled together, or an argument is not accepted.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> draw = np.random.default_rng(1).normal
+    >>> table = 30.0 * np.sin(0.01 * np.arange(20_000))                     # all three stand on it
+    >>> found = hat([table + draw(0.0, sigma, table.size) for sigma in (1.0, 2.0, 0.5)], 1.0, unit="deg/h")
+    >>> np.round(found.tables["hat.csv"]["deviation"][[0, 14, 28]], 1)
+    array([1. , 2. , 0.5])
+    """
+    samples, readings, called = _records(
+        records, rate, unit, kind, names, False, remove_outliers, False, unit_check, threads
+    )
+    return _analysis(_sagnac.hat(samples, readings, called))
+
+
+def _records(
+    records: Sequence[Record] | Log,
+    rate: float | None,
+    unit: str | None,
+    kind: Kind | None,
+    names: Sequence[str] | None,
+    detrend: bool,
+    remove_outliers: bool,
+    remove_events: bool,
+    unit_check: bool,
+    threads: int | None,
+) -> tuple[list[Any], list[Reading], list[str]]:
+    """Samples, readings and names of several records."""
     each: Sequence[Record] = [records] if isinstance(records, Log) else list(records)
     if names is not None and len(names) != len(each):
         raise UsageError(f"there are {len(each)} records and {len(names)} names\ngive one name for each record")
@@ -288,9 +356,7 @@ def batch(
                 name=name, of_array=of_array, remove_events=remove_events,
             )
         )  # fmt: skip
-    samples, readings = [one for one, _, _ in given], [reading for _, reading, _ in given]
-    called = [name for _, _, name in given]
-    return _analysis(_sagnac.batch(samples, readings, called, _terms(terms), limits_of(limits)))
+    return [one for one, _, _ in given], [reading for _, reading, _ in given], [name for _, _, name in given]
 
 
 def _terms(terms: str | Sequence[str]) -> list[str] | None:

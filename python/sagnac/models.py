@@ -9,13 +9,18 @@ from typing import Any, Literal
 
 import _sagnac
 
-from ._reading import Record, reading_of
+from ._reading import Record, curve_of, reading_of, refuse_for_curve
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError
 from .logs import Kind
 from .studies import _source, _whole
 
 MAX_STATES = 3
+
+#: What a curve takes of the arguments of :func:`model`.
+CURVE_ARGUMENTS = (
+    "data", "unit", "name", "terms", "from_s", "to_s", "bound", "margin", "states", "quantization", "filter_rate", "write",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,8 @@ def model(
     Parameters
     ----------
     data, rate, unit, kind, terms, detrend, remove_outliers, unit_check, threads
-        A record, as for :func:`fit`; a log may have several columns.
+        A record, as for :func:`fit`; a log may have several columns. Or a curve, as for :func:`analyze`, which takes ``unit``, ``name``,
+        ``terms`` and the arguments of the model except ``confidence``.
     noise
         Instead of a record, the noise of a study: a path of a noise.toml, its text, or a dictionary such as
         ``{"angle_random_walk": "0.003 deg/sqrt(h)"}``.
@@ -97,6 +103,7 @@ def model(
     >>> len(gyro["markov"]), gyro["largest_excess"] < 0.2
     (1, True)
     """
+    given = dict(locals())
     if bound not in ("band", "repeat", None):
         raise UsageError(f'bound={bound!r}\naccepted: "band", "repeat", None')
     if quantization not in ("measurement", "white"):
@@ -128,5 +135,8 @@ def model(
         return _analysis(_sagnac.model_of_noise(path, text, wanted))
     if data is None:
         raise UsageError("neither a record nor noise is given\ngive data, or noise=")
+    if (curve := curve_of(data, unit, name)) is not None:
+        refuse_for_curve(model, given, CURVE_ARGUMENTS)
+        return _analysis(_sagnac.model_of_curve(*curve, _terms(terms), wanted))
     record = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads, name=name)
     return _analysis(_sagnac.model_of_record(*record, _terms(terms), wanted))

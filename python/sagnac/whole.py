@@ -10,12 +10,16 @@ from numpy.typing import ArrayLike
 
 import _sagnac
 
-from ._reading import Record, limits_of, reading_of
+from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError
 from .logs import Kind, effects_of
 from .records import MIN_REALIZATIONS, Deviation, times_of
 from .studies import _whole
+
+
+#: What a curve takes of the arguments of :func:`analyze`.
+CURVE_ARGUMENTS = ("data", "unit", "name", "terms", "fit_from", "fit_to", "force", "limits")
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,9 @@ def analyze(
     Parameters
     ----------
     data, rate, unit, kind, deviation, taus, confidence, intervals, detrend, remove_outliers, unit_check, threads
-        As for :func:`allan`; a log may have several columns. The record is copied.
+        As for :func:`allan`; a log may have several columns. The record is copied. Or a curve of a paper or another tool: a tuple of
+        averaging times, s, and Allan deviations, and of the lower and upper ends of their 95 % intervals, which are else taken as ±10 %;
+        or the path of a file with such columns. It takes ``unit``, ``name``, ``terms``, ``fit_from``, ``fit_to``, ``force`` and ``limits``.
     name
         What the record is called; by default the name of its file, or ``record`` for an array.
     terms, fit_from, fit_to, force, bootstrap
@@ -119,7 +125,18 @@ def analyze(
     >>> found = analyze(rates, 10.0, unit="deg/h", dynamic=100.0, bootstrap=0)
     >>> bool(found.tables["stationarity.csv"]["p"][0] < 1e-6)
     True
+    >>> tau = 2.0 ** np.arange(10)
+    >>> analyze((tau, 3.0 / np.sqrt(tau)), unit="deg/h").answer[:12]       # a curve
+    'N = 0.05 °/√'
     """
+    given = dict(locals())
+    if (curve := curve_of(data, unit, name)) is not None:
+        refuse_for_curve(analyze, given, CURVE_ARGUMENTS)
+        return _analysis(
+            _sagnac.analyze_curve(
+                *curve, terms is not None, None if terms is None else _terms(terms), (fit_from, fit_to), force, limits_of(limits)
+            )
+        )
     if navigate is None and position_limit is not None:
         raise UsageError("position_limit is that of navigators\nadd for example navigate=3600.0, or leave position_limit out")
     if navigate is not None and terms is None:

@@ -1,10 +1,12 @@
 //! Analyses and designs as the program writes them: the answer, the document, tables, charts and page.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::Trend;
+use sagnac::analysis::compare::Stated;
 use sagnac::analysis::compare::logs::{Compared, RatioLimit};
 use sagnac::analysis::design::filler_search::band as band_of;
 use sagnac::analysis::design::{Constraints, DesignError, DesignRequest, Measure, Search, design as find};
@@ -16,18 +18,21 @@ use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::analysis::sensitivity::{SensitivityError, SensitivityRequest, sensitivity as decide};
 use sagnac::fit::selection::Fitting;
 use sagnac::progress::Silent;
+use sagnac::record::curve_file::CurveFile;
+use sagnac::record::log::Log;
 use sagnac::report::chart::Picture;
 use sagnac::run::RunError;
 use sagnac::use_cases::Outcome;
 use sagnac::use_cases::{
     self, AllanRequest, BatchRequest, CompareRequest, ModelSource, Segments, compare_logs, compare_units,
-    model_noise,
+    model_noise, three_cornered_hat,
 };
 use sagnac::verify::select;
 use sagnac_base::quantity::Dimension;
 
 use super::argument::at_least_0;
 use super::compute::{compute, compute_on};
+use super::curve::Curve;
 use super::failure::{Failure, in_python};
 use super::log::{Given, effects_of};
 use super::progress::Listener;
@@ -145,24 +150,65 @@ pub fn sensitivity<'py>(
     in_dict(py, found)
 }
 
-/// Two records compared; `names` are what they are called.
+/// A side of a comparison: a record, a curve, or the path or the text of a noise.toml.
+#[derive(FromPyObject)]
+pub enum Side<'py> {
+    Record(Given<'py>, Reading),
+    Curve(Bound<'py, Curve>),
+    Stated(Option<PathBuf>, String),
+}
+
+/// A side that was read.
+enum Read<'a> {
+    Log(Cow<'a, Log>),
+    Curve(&'a CurveFile),
+    Stated(Stated),
+}
+
+impl Side<'_> {
+    /// The side, which is called `name`.
+    fn read(&self, py: Python, name: &str) -> PyResult<Read<'_>> {
+        Ok(match self {
+            Side::Record(given, reading) => Read::Log(given.log(py, reading, name)?),
+            Side::Curve(curve) => Read::Curve(&curve.get().read),
+            Side::Stated(Some(path), _) => Read::Stated(Stated::read(path).map_err(Failure::from)?),
+            Side::Stated(None, text) => Read::Stated(Stated::parse(name, text).map_err(Failure::from)?),
+        })
+    }
+
+    /// The treatment and the number of threads of a record.
+    fn treatment(&self) -> Option<(Treatment, usize)> {
+        if let Side::Record(_, reading) = self { Some((reading.treatment(), reading.threads)) } else { None }
+    }
+}
+
+impl Read<'_> {
+    fn compared(&self) -> Compared<'_> {
+        match self {
+            Read::Log(log) => Compared::Log(log),
+            Read::Curve(curve) => Compared::Curve(curve),
+            Read::Stated(stated) => Compared::Stated(stated),
+        }
+    }
+}
+
+/// Two sides compared; `names` are what they are called.
 #[pyfunction]
 pub fn compare<'py>(
     py: Python<'py>,
-    records: (Given<'py>, Given<'py>),
-    readings: (Reading, Reading),
+    sides: (Side<'py>, Side<'py>),
     names: (String, String),
     terms: Option<Vec<String>>,
     limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let a = &*records.0.log(py, &readings.0, &names.0)?;
-    let b = &*records.1.log(py, &readings.1, &names.1)?;
-    let found = compute_on(py, readings.0.threads, || {
-        let treatment = readings.0.treatment();
+    let (a, b) = (sides.0.read(py, &names.0)?, sides.1.read(py, &names.1)?);
+    let treated = sides.0.treatment().or(sides.1.treatment());
+    let (treatment, threads) = treated.unwrap_or((Treatment::AS_RECORDED, 0));
+    let found = compute_on(py, threads, || {
         let fitting = Some(Fitting::from(terms_of(terms.as_deref(), treatment.trend)?));
         let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<_, _>>()?;
         let request = CompareRequest { treatment, fitting, limits };
-        let sides = [(Path::new(&names.0), Compared::Log(a)), (Path::new(&names.1), Compared::Log(b))];
+        let sides = [(Path::new(&names.0), a.compared()), (Path::new(&names.1), b.compared())];
         Ok(compare_logs(sides, &request)?)
     })?;
     in_dict(py, found)
@@ -193,6 +239,23 @@ pub fn batch<'py>(
         })?);
     }
     in_dict(py, compute_on(py, threads, || Ok(compare_units(analyses, &request)?))?)
+}
+
+/// The noise of each of three units that ran together; `names` are what the records are called.
+#[pyfunction]
+pub fn hat<'py>(
+    py: Python<'py>,
+    records: Vec<Given<'py>>,
+    readings: Vec<Reading>,
+    names: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let each = records.iter().zip(&readings).zip(&names);
+    let logs =
+        each.map(|((record, reading), name)| record.log(py, reading, name)).collect::<PyResult<Vec<_>>>()?;
+    let first = readings.first().map(|one| (one.treatment(), one.threads));
+    let (treatment, threads) = first.unwrap_or((Treatment::AS_RECORDED, 0));
+    let logs: Vec<(&Path, &Log)> = names.iter().map(Path::new).zip(logs.iter().map(|log| &**log)).collect();
+    in_dict(py, compute_on(py, threads, || Ok(three_cornered_hat(&logs, &treatment)?))?)
 }
 
 /// The options of the analysis of a record.
@@ -289,7 +352,7 @@ pub struct Wanted {
 
 impl Wanted {
     /// The request, of a record with this treatment and fit.
-    fn request(&self, treatment: Treatment, fitting: Option<Fitting>) -> Result<ModelRequest, Failure> {
+    pub fn request(&self, treatment: Treatment, fitting: Option<Fitting>) -> Result<ModelRequest, Failure> {
         let names = self.write.join(",");
         let writers = if names.is_empty() { Ok(vec![]) } else { named(&names) };
         Ok(ModelRequest {

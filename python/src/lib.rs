@@ -5,6 +5,7 @@
 mod analysis;
 mod argument;
 mod compute;
+mod curve;
 mod failure;
 mod filler;
 mod log;
@@ -33,6 +34,13 @@ fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(analysis::model_of_record, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::model_of_noise, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::convert, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::hat, module)?)?;
+    module.add_class::<curve::Curve>()?;
+    module.add_function(wrap_pyfunction!(curve::is_curve, module)?)?;
+    module.add_function(wrap_pyfunction!(curve::read_curve, module)?)?;
+    module.add_function(wrap_pyfunction!(curve::curve_of, module)?)?;
+    module.add_function(wrap_pyfunction!(curve::analyze_curve, module)?)?;
+    module.add_function(wrap_pyfunction!(curve::model_of_curve, module)?)?;
     module.add_class::<log::Log>()?;
     module.add_function(wrap_pyfunction!(log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;
