@@ -171,10 +171,13 @@ export class LogView {
     field.select?.();
   }
 
-  #facts({ samples, step_s: step, rate, data, columns, notes }) {
+  #facts({ samples, step_s: step, rate, data, points, taus, columns, notes }) {
     const facts = byId("log-facts");
     const shown = columns.map(({ name, unit }) => (unit ? `${name} in ${unit}` : name)).join(", ");
-    facts.replaceChildren(...[["Samples", grouped(samples)], ["Rate", rate], ["Length", length(samples * step)], ["Numbers", DATA[data]], ["Columns", shown]]
+    const read = points
+      ? [["Curve", `${points} points`], ["Averaging times", taus]]
+      : [["Samples", grouped(samples)], ["Rate", rate], ["Length", length(samples * step)], ["Numbers", DATA[data]]];
+    facts.replaceChildren(...[...read, ["Columns", shown]]
       .flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
     facts.hidden = false;
     byId("log-notes").replaceChildren(...notes.map(note));

@@ -1,4 +1,4 @@
-//! Logs: what is recognised of one, its analysis, models for filters, navigators, and the comparison of two.
+//! Logs and curves: what is recognised of one, its analysis, models for filters, navigators, and the comparison of two.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,11 +13,13 @@ use sagnac::analysis::navigators::NavigatorRequest;
 use sagnac::analysis::temperature::regressors::Effects;
 use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::record::binary::Binary;
+use sagnac::record::curve_file::{CurveFile, CurveRequest};
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Hints, Request, Timing, step_of};
 use sagnac::record::log::{Log, Thermometer};
 use sagnac::use_cases::Outcome;
 use sagnac::use_cases::{self, AllanRequest, CompareRequest, ModelSource, Segments};
+use sagnac_base::diagnostics::decoded;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::kinds::allan::run::Simulator;
@@ -114,10 +116,45 @@ impl Options {
     }
 
     fn read(&self, name: &str, file: Option<&&[u8]>) -> Result<Log, Refusal> {
-        let bytes = file.ok_or_else(|| Refusal::usage("the message has no file"))?;
-        let log = Log::read_bytes(name, bytes, &self.request()?)?;
+        let log = Log::read_bytes(name, bytes_of(file)?, &self.request()?)?;
         Ok(Treatment::AS_RECORDED.checked(log)?)
     }
+
+    /// The curve in a file, if it has one and no option is of logs.
+    fn curve(&self, name: &str, file: Option<&&[u8]>) -> Result<Option<CurveFile>, Refusal> {
+        let bytes = bytes_of(file)?;
+        let of_logs = [&self.rate, &self.data, &self.time, &self.binary];
+        if of_logs.iter().any(|option| !option.trim().is_empty()) || !CurveFile::is_in(bytes) {
+            return Ok(None);
+        }
+        self.curve_in(name, bytes, false).map(Some)
+    }
+
+    /// The curve in these bytes. Beside a log, the column is that of the log, and the unit too unless the curve has none.
+    fn curve_in(&self, name: &str, bytes: &[u8], is_beside_log: bool) -> Result<CurveFile, Refusal> {
+        let given = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+        let column = given(&self.column).filter(|_| !is_beside_log);
+        let read = |unit: Option<String>| {
+            let (column, time_unit) = (column.clone(), given(&self.time_unit));
+            let request = CurveRequest { column, unit, time_unit, ..CurveRequest::default() };
+            CurveFile::parse(name, &decoded(bytes), &request)
+        };
+        let unit = given(&self.unit);
+        Ok(read(unit.clone().filter(|_| !is_beside_log)).or_else(|_| read(unit))?)
+    }
+
+    /// A log of which something is asked that a curve has not.
+    fn log(&self, name: &str, file: Option<&&[u8]>, asked: &str) -> Result<Log, Refusal> {
+        match self.curve(name, file)? {
+            Some(_) => Err(Refusal::usage(&format!("{asked} needs a log, and {name} is a curve"))),
+            None => self.read(name, file),
+        }
+    }
+}
+
+/// The bytes of a file of the message.
+fn bytes_of<'a>(file: Option<&&'a [u8]>) -> Result<&'a [u8], Refusal> {
+    file.copied().ok_or_else(|| Refusal::usage("the message has no file"))
 }
 
 /// The texts between commas.
@@ -142,6 +179,18 @@ fn fitting() -> Option<Fitting> {
 impl OneLog {
     /// Lists the columns, the rate and the number of samples that were recognized in the file.
     pub(crate) fn columns(&self, files: &[&[u8]]) -> Result<Reply, Refusal> {
+        if let Some(curve) = self.options.curve(&self.name, files.first())? {
+            let ends = [curve.points.first(), curve.points.last()];
+            let taus = ends.map(|end| significant(end.map_or(0.0, |end| end.tau_s), 4)).join(" s to ");
+            let symbol = curve.unit.in_files(curve.deviation);
+            return Ok(Reply::new(json!({
+                "points": curve.points.len(),
+                "taus": format!("{taus} s"),
+                "columns": [{ "name": curve.name, "unit": symbol }],
+                "notes": curve.notes.iter().map(|note| in_page(note)).collect::<Vec<_>>(),
+                "records": 0,
+            })));
+        }
         let log = self.options.read(&self.name, files.first())?;
         let column = |channel: &sagnac::record::log::Channel| -> Value {
             json!({ "name": channel.name, "unit": channel.unit.text })
@@ -164,7 +213,8 @@ impl OneLog {
         simulator: Option<Arc<dyn Simulator>>,
         progress: &dyn Progress,
     ) -> Result<Outcome, Refusal> {
-        self.outcome(&mut self.options.read(&self.name, files.first())?, navigators, simulator, progress)
+        let mut log = self.options.log(&self.name, files.first(), "the position error")?;
+        self.outcome(&mut log, navigators, simulator, progress)
     }
 
     fn outcome(
@@ -195,6 +245,10 @@ impl OneLog {
     pub(crate) fn allan(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
         let made = (self.parts > 0).then(|| Player::new(files.get(1..).unwrap_or_default(), self.parts));
         let simulator = made.map(|made| Arc::new(made) as Arc<dyn Simulator>);
+        if let Some(curve) = self.options.curve(&self.name, files.first())? {
+            let path = Path::new(&self.name);
+            return Reply::of_outcome(&use_cases::fit_curve(curve, path, fitting().as_ref(), &[])?);
+        }
         Reply::of_outcome(&self.analyzed(files, None, simulator, progress)?)
     }
 
@@ -206,7 +260,8 @@ impl OneLog {
 
     /// Models that bound the noise of further records, with files for all tools.
     pub(crate) fn model(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
-        let log = self.options.read(&self.name, files.first())?;
+        let curve = self.options.curve(&self.name, files.first())?;
+        let log = if curve.is_none() { Some(self.options.read(&self.name, files.first())?) } else { None };
         let request = ModelRequest {
             from_s: None,
             to_s: None,
@@ -220,13 +275,16 @@ impl OneLog {
             fitting: fitting(),
             writers: WRITERS.to_vec(),
         };
-        let source = ModelSource::Log(&log, Path::new(&self.name));
+        let path = Path::new(&self.name);
+        let of_log = log.as_ref().map(|log| ModelSource::Log(log, path));
+        let source = curve.as_ref().map(|curve| ModelSource::Curve(curve, path)).or(of_log);
+        let source = source.ok_or_else(|| Refusal::usage("the message has no file"))?;
         Reply::of_outcome(&use_cases::model_noise(source, &request, progress)?)
     }
 
     /// A study that simulates records with the noise of one column of the log.
     pub(crate) fn study(&self, files: &[&[u8]], progress: &dyn Progress) -> Result<Reply, Refusal> {
-        let mut log = self.options.read(&self.name, files.first())?;
+        let mut log = self.options.log(&self.name, files.first(), "a study of this gyro")?;
         let place = self.column.unwrap_or(0);
         if place >= log.channels.len() {
             return Err(Refusal::usage("the log has no such column"));
@@ -262,13 +320,71 @@ impl Simulate {
     }
 }
 
+/// A side of a comparison.
+enum Read {
+    Log(Log),
+    Curve(CurveFile),
+}
+
+impl Read {
+    fn compared(&self) -> Compared<'_> {
+        match self {
+            Read::Log(log) => Compared::Log(log),
+            Read::Curve(curve) => Compared::Curve(curve),
+        }
+    }
+}
+
 impl TwoLogs {
     pub(crate) fn compare(&self, files: &[&[u8]]) -> Result<Reply, Refusal> {
         let [a, b] = &self.names;
-        let logs = [self.options.read(a, files.first())?, self.options.read(b, files.get(1))?];
+        let is_curve = [0, 1].map(|place| files.get(place).is_some_and(|file| CurveFile::is_in(file)));
+        let is_beside_log = is_curve.contains(&false);
+        let read = |place: usize| -> Result<Read, Refusal> {
+            let (name, file) = (&self.names[place], files.get(place));
+            Ok(match is_curve[place] {
+                true => Read::Curve(self.options.curve_in(name, bytes_of(file)?, is_beside_log)?),
+                false => Read::Log(self.options.read(name, file)?),
+            })
+        };
+        let read = [read(0)?, read(1)?];
         let request =
             CompareRequest { treatment: Treatment::AS_RECORDED, fitting: fitting(), limits: vec![] };
-        let sides = [(Path::new(a), Compared::Log(&logs[0])), (Path::new(b), Compared::Log(&logs[1]))];
+        let sides = [(Path::new(a), read[0].compared()), (Path::new(b), read[1].compared())];
         Reply::of_outcome(&use_cases::compare_logs(sides, &request)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CURVE: &[u8] = b"tau,adev\n1,3\n2,2.1213\n4,1.5\n8,1.0607\n16,0.75\n32,0.5303\n";
+
+    /// The JSON of an answer, or of a refusal.
+    fn json(answer: Result<Reply, Refusal>) -> Value {
+        let bytes = answer.unwrap_or_else(Refusal::into_reply).encode();
+        let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+        serde_json::from_slice(&bytes[4..4 + length]).unwrap()
+    }
+
+    #[test]
+    fn a_curve_is_read_like_a_log_and_refused_where_samples_are_needed() {
+        let log = json!({ "name": "curve.csv", "options": { "unit": "deg/h" } });
+        let log: OneLog = serde_json::from_value(log).unwrap();
+        let read = json(log.columns(&[CURVE]));
+        assert_eq!((&read["points"], &read["records"]), (&json!(6), &json!(0)), "{read}");
+        assert_eq!(read["taus"], "1 s to 32 s");
+        let fitted = json(log.allan(&[CURVE], &Silent));
+        assert!(fitted["headline"].as_str().unwrap().starts_with("N = 0.05"), "{fitted}");
+        assert!(json(log.model(&[CURVE], &Silent))["error"].is_null());
+        for refused in [log.navigate(&[CURVE], &Silent), log.study(&[CURVE], &Silent)] {
+            let text = json(refused)["error"]["text"].to_string();
+            assert!(text.contains("needs a log, and curve.csv is a curve"), "{text}");
+        }
+        let two = json!({ "names": ["a.csv", "b.csv"], "options": { "unit": "deg/h" } });
+        let two: TwoLogs = serde_json::from_value(two).unwrap();
+        let headline = json(two.compare(&[CURVE, CURVE]))["headline"].to_string();
+        assert!(headline.contains("one record"), "{headline}");
     }
 }

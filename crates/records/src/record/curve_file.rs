@@ -262,7 +262,12 @@ impl CurveFile {
         }
         let mut head = vec![];
         let read = open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
-        let text = decoded(&head);
+        read.is_ok() && CurveFile::is_in(&head)
+    }
+
+    /// Whether these bytes of a file have a curve; see [`CurveFile::is_one`].
+    pub fn is_in(bytes: &[u8]) -> bool {
+        let text = decoded(&bytes[..bytes.len().min(HEAD as usize)]);
         let is_curve = |header: Header| {
             let has = |is: &dyn Fn(&str) -> bool| !header.columns(is).is_empty();
             // Below a comment with such words are no averaging times; below a header may be a row of units.
@@ -276,7 +281,7 @@ impl CurveFile {
                 && has(&|name| deviation_of(name).is_some())
                 && !has(&|name| TIMES.contains(&name))
         };
-        read.is_ok() && Header::find(&text).is_some_and(is_curve)
+        Header::find(&text).is_some_and(is_curve)
     }
 
     /// Reads the curve at `path`.
