@@ -113,6 +113,37 @@ fn a_bound_meets_a_limit_or_decides_nothing() {
 }
 
 #[test]
+fn the_table_of_several_axes_has_the_intervals_of_each_coefficient() {
+    let mut walk = 0.0;
+    let walked = white(4096, 0.3, 3).into_iter().map(|step| {
+        walk += step;
+        walk
+    });
+    let gy: Vec<f64> =
+        white(4096, 12.0, 2).into_iter().zip(walked).map(|(white, walk)| white + walk).collect();
+    let desk = desk_with("log.csv", text(&[("gx", white(4096, 6.0, 1)), ("gy", gy)]));
+    let ended = desk.done(&format!("allan log.csv {READ} --bootstrap 0 --column gx,gy --out out"));
+    assert!(ended.stdout.contains("gx: smallest N, "), "{}", ended.stdout);
+    let rows = desk.table("out/coefficients.csv");
+    let lines: Vec<&str> = ended.stdout.lines().collect();
+    let mut ends_of = |axis: &str| {
+        let at = lines
+            .iter()
+            .position(|line| line.trim_start_matches('▸').trim_start().starts_with(&format!("{axis} ")))
+            .unwrap();
+        assert!(lines[at + 1].starts_with("  95 % "), "{}", ended.stdout);
+        let is_shown = |row: &&crate::desk::Row| {
+            let is_there = ["N", "B", "K"].contains(&&*row["coefficient"]) && !row["value"].is_empty();
+            row["column"] == axis && is_there
+        };
+        (lines[at + 1].matches('–').count(), rows.iter().filter(is_shown).count())
+    };
+    let [gx, gy] = ["gx", "gy"].map(&mut ends_of);
+    assert!(gx.1 > 0 && gy.1 > gx.1, "{rows:?}");
+    assert!(gx.0 >= gx.1 && gy.0 >= gy.1, "{gx:?}, {gy:?}\n{}", ended.stdout);
+}
+
+#[test]
 fn several_limits_are_judged_together_and_the_worst_one_says_what_limits() {
     let desk = gyro();
     let found = allan(
@@ -162,7 +193,7 @@ fn gyros_and_accelerometers_have_limits_in_their_own_units() {
     let n = &rows_of(&found, "limits")[3];
     assert!((n["value"].as_f64().unwrap() / (50e-6 * 9.80665 * 60.0) - 1.0).abs() < 0.05, "{n}");
     let free = document(&desk, read, &[]);
-    assert!(headline(&free).starts_with("gx: least N, 0.1"), "{free:#}");
+    assert!(headline(&free).starts_with("gx: smallest N, 0.1"), "{free:#}");
     let names: Vec<&str> = rows(&free).into_iter().map(|row| row[0]).collect();
     assert_eq!(names, ["gx", "gz", "gy", "ax"]);
     desk.fails(

@@ -169,6 +169,9 @@ pub struct AnswerTable {
     /// those at the end.
     #[serde(skip)]
     pub are_places: bool,
+    /// Whether the 95 % intervals of values are shown below them, of which the first column says so.
+    #[serde(skip)]
+    pub shows_intervals: bool,
 }
 
 impl AnswerTable {
@@ -182,6 +185,17 @@ impl AnswerTable {
         rows.truncate(MAX_ROWS);
         let columns = columns.into_iter().map(Into::into).collect();
         AnswerTable { columns, rows, omitted, ..AnswerTable::default() }.without_blanks()
+    }
+
+    /// What stands below a cell of the column `at`: the ends of the interval of its value, if the table shows them.
+    fn below(&self, row: &[AnswerCell], at: usize) -> Option<String> {
+        let ends =
+            |cell: &AnswerCell| cell.value.as_ref().filter(|_| cell.relation == Relation::Equal)?.ends_text();
+        match at {
+            _ if !self.shows_intervals => None,
+            0 => row.iter().any(|cell| ends(cell).is_some()).then(|| "95 %".to_owned()),
+            at => ends(row.get(at)?),
+        }
     }
 
     /// The table without columns that are empty or dashes in all rows; the first one stays.

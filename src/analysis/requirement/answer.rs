@@ -14,6 +14,9 @@ use sagnac_report::answer::{
     Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Relation, Status,
 };
 
+/// Most records whose table has the intervals too, each in a line of its own: the axes of an IMU.
+const MAX_WITH_INTERVALS: usize = 6;
+
 /// Coefficients by which records are compared without a limit, the first that they show.
 const ORDER: [Term; 5] =
     [Term::AngleRandomWalk, Term::BiasInstability, Term::Quantization, Term::RateRandomWalk, Term::RateRamp];
@@ -143,7 +146,7 @@ impl<'a> Panel<'a> {
             let value = reading.with_interval();
             let headline = match self.subjects.len() {
                 1 => format!("{} = {value}", name(row)),
-                _ => format!("{}: least {}, {value}", subject.label, name(row)),
+                _ => format!("{}: smallest {}, {value}", subject.label, name(row)),
             };
             return (headline, Some(reading));
         }
@@ -266,10 +269,6 @@ impl<'a> Panel<'a> {
         // The status is that of the columns before it.
         let limited = 1 + first.len().min(most);
         let shown: Vec<Limited> = first.into_iter().chain(others).take(most).collect();
-        // Of the first coefficient, by which they are ordered.
-        let ends = |subject: &Subject| subject.shown(*shown.first()?).ok()?.reading()?.ends_text();
-        let has_interval =
-            shown.len() < MAX_COLUMNS - 1 && subjects.iter().any(|subject| ends(subject).is_some());
         let row = |subject: &&Subject| {
             let cell = |of: &Limited| subject.shown(*of).map_or_else(|_| "—".into(), Row::cell);
             let own: Vec<Standing> = self
@@ -282,8 +281,6 @@ impl<'a> Panel<'a> {
             cells.extend(shown.iter().map(cell));
             if is_judged {
                 cells.insert(limited, status(&own).text().into());
-            } else if has_interval {
-                cells.insert(2, ends(subject).unwrap_or_default().into());
             }
             cells
         };
@@ -291,10 +288,12 @@ impl<'a> Panel<'a> {
         heads.extend(shown.iter().map(|of| of.told().trim_start_matches("the ")));
         if is_judged {
             heads.insert(limited, "status");
-        } else if has_interval {
-            heads.insert(2, "95 % interval");
         }
-        AnswerTable { best: Some(0), ..AnswerTable::new(heads, subjects.iter().map(row)) }
+        AnswerTable {
+            best: Some(0),
+            shows_intervals: subjects.len() <= MAX_WITH_INTERVALS,
+            ..AnswerTable::new(heads, subjects.iter().map(row))
+        }
     }
 
     fn facts(&self) -> Vec<Fact> {

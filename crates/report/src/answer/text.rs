@@ -61,7 +61,10 @@ impl AnswerTable {
         // A heading has as many lines as its words need beside the cells.
         let widths = |headings: [usize; 2]| -> Vec<usize> {
             let of_column = |column: usize| {
-                let cells = self.rows.iter().filter_map(|row| Some(length(&row.get(column)?.text)));
+                let cells = self.rows.iter().filter_map(|row| {
+                    let below = self.below(row, column).map_or(0, |below| length(&below));
+                    Some(length(&row.get(column)?.text).max(below))
+                });
                 let words = words(&columns[column]);
                 let words = words.iter().map(|word| length(word));
                 let whole = length(&columns[column]).min(headings[usize::from(column > 0)]);
@@ -98,10 +101,18 @@ impl AnswerTable {
         let text_of = |row: &[AnswerCell], at: usize| {
             row.get(at).map_or_else(String::new, |cell| in_cell(&cell.text).into_owned())
         };
-        let body = self.rows.iter().map(|row| shown.iter().map(|&at| text_of(row, at)).collect());
-        let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
-        let line = |(at, row): (usize, &Vec<String>)| {
-            let mark = if at >= height && self.best == Some(at - height) { BEST } else { "  " };
+        let body = self.rows.iter().enumerate().flat_map(|(at, row)| {
+            let is_best = self.best == Some(at);
+            let below: Vec<Option<String>> = shown.iter().map(|&at| self.below(row, at)).collect();
+            let has_below = below.iter().any(Option::is_some);
+            let below =
+                has_below.then(|| (false, below.into_iter().map(Option::unwrap_or_default).collect()));
+            std::iter::once((is_best, shown.iter().map(|&at| text_of(row, at)).collect())).chain(below)
+        });
+        let cells: Vec<(bool, Vec<String>)> =
+            (0..height).map(|line| (false, heading(line))).chain(body).collect();
+        let line = |(is_best, row): &(bool, Vec<String>)| {
+            let mark = if *is_best { BEST } else { "  " };
             let cells = row.iter().zip(shown.iter().map(|&at| widths[at])).enumerate().map(
                 |(column, (cell, width))| match column {
                     0 => format!("{cell:<width$}"),
@@ -111,7 +122,7 @@ impl AnswerTable {
             format!("{}\n", format!("{mark}{}", cells.collect::<String>()).trim_end())
         };
         let mut text: String =
-            if self.rows.is_empty() { String::new() } else { cells.iter().enumerate().map(line).collect() };
+            if self.rows.is_empty() { String::new() } else { cells.iter().map(line).collect() };
         if self.omitted > 0 {
             text += &format!("  … {} more\n", self.omitted);
         }
@@ -221,7 +232,9 @@ impl AnswerTable {
                             @for (row, cells) in self.rows.iter().enumerate() {
                                 tr .best[self.best == Some(row)] {
                                     @for (at, cell) in cells.iter().enumerate() {
-                                        @if at == 0 { th.text scope="row" { (cell.text) } } @else { td { (cell.text) } }
+                                        @if at == 0 { th.text scope="row" { (cell.text) } } @else {
+                                            td { (cell.text) @if let Some(below) = self.below(cells, at) { small { (below) } } }
+                                        }
                                     }
                                 }
                             }
