@@ -1136,9 +1136,12 @@ fn check_single(folder: &Dir, name: &str) -> io::Result<()> {
     refuse(name, in_place(&found))
 }
 
+/// The folder of a file, and the name of the file. A name that is not UTF-8 is refused, as no text could tell where the file is.
 fn parts(path: &Path) -> io::Result<(Dir, String)> {
     let folder = Dir::open_ambient_dir(parent(path), ambient_authority())?;
-    Ok((folder, path.file_name().unwrap_or_default().to_string_lossy().into_owned()))
+    let name = path.file_name().unwrap_or_default().to_str();
+    let name = name.ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "its name is not UTF-8"))?;
+    Ok((folder, name.to_owned()))
 }
 
 /// The folder of a file.
@@ -1149,6 +1152,18 @@ pub(crate) fn parent(path: &Path) -> &Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_whose_name_is_not_utf_8_is_refused_and_none_is_written_in_its_place() {
+        use std::ffi::OsStr;
+        use std::os::unix::ffi::OsStrExt;
+        let parent = tempfile::tempdir().unwrap();
+        let path = parent.path().join(OsStr::from_bytes(b"\xff.toml"));
+        let refused = write_new(&path, |file| file.write_all(b"kind")).unwrap_err();
+        assert_eq!(refused.kind(), ErrorKind::InvalidInput);
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
+    }
 
     fn new() -> (tempfile::TempDir, Folder) {
         let parent = tempfile::tempdir().unwrap();
