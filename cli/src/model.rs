@@ -72,7 +72,7 @@ pub struct Options {
     #[command(flatten)]
     output: Output,
     /// Also write files for tools: all, or one or more of kalibr, allan_variance_ros, openvins, matlab, navego, psins, gtsam_cpp,
-    /// gtsam_python, pyins, kf_gins, c, json, separated by commas
+    /// gtsam_python, pyins, kf_gins, px4, c, json, separated by commas
     #[arg(help_heading = "Output", long, value_name = "TOOLS", value_parser = named)]
     write: Option<std::vec::Vec<&'static Writer>>,
 }

@@ -85,6 +85,12 @@ fn read(writer: &str, text: &str) -> Read {
             let state = [DEGREE / 3600.0 * after(text, "gbstd"), 3600.0 * after(text, "corrtime")];
             Read::new(DEGREE / 60.0 * after(text, "arw"), 0.0, Some(state))
         }
+        // EKF2 adds (noise·step)² per step.
+        "px4" => {
+            let step = 1e-6 * after(text, "EKF2_PREDICT_US");
+            let per_root = |name: &str| after(text, name) * step.sqrt();
+            Read::new(per_root("EKF2_GYR_NOISE"), per_root("EKF2_GYR_B_NOISE"), None)
+        }
         "json" => whole(&serde_json::from_str(text).unwrap()),
         other => panic!("no test reads the file of {other}"),
     }

@@ -6,6 +6,7 @@
 
 mod gtsam;
 mod programs;
+mod px4;
 mod toolboxes;
 mod yaml;
 
@@ -48,7 +49,7 @@ impl Takes {
 }
 
 /// Every writer, in the order of lists.
-pub static WRITERS: [&Writer; 12] = [
+pub static WRITERS: [&Writer; 13] = [
     &yaml::KALIBR,
     &yaml::ALLAN_VARIANCE_ROS,
     &yaml::OPENVINS,
@@ -59,6 +60,7 @@ pub static WRITERS: [&Writer; 12] = [
     &gtsam::PYTHON,
     &toolboxes::PYINS,
     &toolboxes::KF_GINS,
+    &px4::PX4,
     &programs::C_HEADER,
     &programs::JSON,
 ];
