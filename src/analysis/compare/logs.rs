@@ -97,7 +97,7 @@ pub enum Subject {
     /// A log with its compared column, without curves and coefficients.
     Log(log::Analysis),
     /// A curve with its own fit.
-    Curve(given_curve::Analysis),
+    Curve(Box<given_curve::Analysis>),
     /// Stated coefficients.
     Stated(Stated),
 }
@@ -181,7 +181,7 @@ impl Side {
                 (Subject::Log(log), Some(events))
             }
             Compared::Curve(file) => {
-                (Subject::Curve(given_curve::Analysis::new(file.clone(), path, fitting)), None)
+                (Subject::Curve(Box::new(given_curve::Analysis::new(file.clone(), path, fitting))), None)
             }
             Compared::Stated(stated) => (Subject::Stated(stated.clone()), None),
         };
