@@ -62,6 +62,7 @@ impl Analysis {
             name: file.name.clone(),
             unit: file.unit,
             overruled: None,
+            field: None,
             missing: 0,
             digest: 0,
             same_as: None,

@@ -376,11 +376,31 @@ pub enum Fact {
         /// The place or the condition; may be empty.
         at: String,
     },
+    /// Messages from which columns were read.
+    Source {
+        /// Topic of the messages, or their sensor.
+        topic: String,
+        /// Type of the messages.
+        kind: String,
+        /// Their fields, in the order of the columns.
+        fields: Vec<Field>,
+    },
     /// A condition on the answer.
     Caveat {
         /// A line.
         text: String,
     },
+}
+
+/// A field of messages.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Field {
+    /// The column that was read from it.
+    pub column: String,
+    /// Its name in a message.
+    pub name: String,
+    /// Unit of its numbers.
+    pub unit: String,
 }
 
 impl Fact {
@@ -404,6 +424,7 @@ impl Fact {
             Fact::MostEffectiveChange { .. } => "Most effective change",
             Fact::Fit { .. } => "Fit",
             Fact::Test { name, .. } | Fact::Value { name, .. } => name,
+            Fact::Source { .. } => "Source",
             Fact::Caveat { .. } => "Caveat",
         }
     }
@@ -452,9 +473,26 @@ impl Fact {
             Fact::Test { p, of, .. } => format!("{}, {of}", probability(*p)),
             Fact::Value { value, at, .. } if at.is_empty() => value.with_interval(),
             Fact::Value { value, at, .. } => format!("{} {at}", value.with_interval()),
+            Fact::Source { topic, kind, fields } => {
+                let of_unit =
+                    |fields: &[Field]| format!("{} [{}]", vectors(fields).join(", "), fields[0].unit);
+                let units = fields.chunk_by(|a, b| a.unit == b.unit).map(of_unit);
+                format!("{topic} ({kind}): {}", units.collect::<Vec<_>>().join(", "))
+            }
             Fact::Caveat { text } => text.clone(),
         }
     }
+}
+
+/// The names of fields, those of the components of a vector as one.
+fn vectors(fields: &[Field]) -> Vec<&str> {
+    let mut names: Vec<&str> = fields.iter().map(|field| &*field.name).collect();
+    if names.len() > 1 {
+        let vector = |name: &mut &str| *name = name.rfind(['.', '[']).map_or(*name, |end| &name[..end]);
+        names.iter_mut().for_each(vector);
+    }
+    names.dedup();
+    names
 }
 
 impl Alternative {
@@ -500,6 +538,23 @@ mod tests {
         assert_eq!(budget(&[1.0], "1 h").remark().as_deref(), Some("(at 1 h)"));
         assert_eq!(budget(&[0.97, 0.92], "").remark().as_deref(), Some("(parts interact)"));
         assert_eq!(budget(&[0.6, 0.4], "").remark(), None);
+    }
+
+    #[test]
+    fn a_source_has_each_vector_once() {
+        let source = |names: &[(&str, &str)]| {
+            let field = |(name, unit): &(&str, &str)| Field {
+                column: String::new(),
+                name: (*name).to_owned(),
+                unit: (*unit).to_owned(),
+            };
+            let fields = names.iter().map(field).collect();
+            Fact::Source { topic: "/imu".to_owned(), kind: "Imu".to_owned(), fields }.text()
+        };
+        let all = [("w.x", "rad/s"), ("w.y", "rad/s"), ("a[0]", "m/s^2"), ("a[1]", "m/s^2")];
+        assert_eq!(source(&all), "/imu (Imu): w [rad/s], a [m/s^2]");
+        assert_eq!(source(&all[1..2]), "/imu (Imu): w.y [rad/s]");
+        assert_eq!(source(&[("x", "rad/s"), ("y", "rad/s")]), "/imu (Imu): x, y [rad/s]");
     }
 
     #[test]

@@ -36,7 +36,7 @@ use sagnac_records::record::RecordError;
 use sagnac_records::record::log::measure::{Data, UnitCheck};
 use sagnac_records::record::log::outliers::Outliers;
 use sagnac_records::record::log::read::Request;
-use sagnac_records::record::log::{Channel, Log, Samples};
+use sagnac_records::record::log::{Channel, Field, Log, Samples};
 use sagnac_theory::allan::{Process, Term};
 
 /// Number of simulated samples from which on the simulation is announced.
@@ -133,6 +133,8 @@ pub struct Column {
     pub unit: Unit,
     /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
+    /// The field of messages from which it was read, if it is from one, with the unit of its samples.
+    pub field: Option<(Field, String)>,
     /// Number of samples missing in the file, and of outliers and samples of events that were removed.
     pub missing: usize,
     /// Hash of its samples, which is that of an equal record.
@@ -164,6 +166,7 @@ impl Column {
             name: channel.name.clone(),
             unit: channel.unit.curves,
             overruled: channel.overruled(),
+            field: channel.field.clone().map(|field| (field, channel.unit.text.clone())),
             missing: angles.missing(),
             digest: digest(&channel.samples),
             same_as: None,

@@ -31,8 +31,15 @@ pub struct Source {
     pub noun: &'static str,
     /// Sampling rate of the record, Hz; absent for a noise.toml.
     pub rate_hz: Option<f64>,
+    /// Topic of ROS from which the record was read, if it is from one.
+    pub topic: Option<String>,
     /// Remarks on what was read.
     pub notes: Vec<String>,
+}
+
+/// Whether it is the whole name of a topic of ROS.
+fn is_of_ros(topic: &str) -> bool {
+    topic.starts_with('/') && topic.chars().all(|c| c.is_ascii_alphanumeric() || ['/', '_'].contains(&c))
 }
 
 impl Source {
@@ -43,19 +50,18 @@ impl Source {
             heading: format!("{}; {}", heading(analysis), analysis.treatment.summary()),
             noun: "record",
             rate_hz: Some(1.0 / analysis.step_s),
+            topic: analysis.columns.iter().find_map(|column| {
+                let (field, _) = column.field.as_ref()?;
+                Some(field.topic.clone()).filter(|topic| is_of_ros(topic))
+            }),
             notes: report::notes(analysis),
         }
     }
 
     /// A curve that was read from a file.
     pub(crate) fn of_curve(curve: &given_curve::Analysis) -> Source {
-        Source {
-            path: curve.path.clone(),
-            heading: curve.heading(),
-            noun: "curve",
-            rate_hz: None,
-            notes: curve.notes(),
-        }
+        let (path, heading, notes) = (curve.path.clone(), curve.heading(), curve.notes());
+        Source { path, heading, noun: "curve", rate_hz: None, topic: None, notes }
     }
 }
 
@@ -351,7 +357,7 @@ fn of_noise(
         if has_band { " and their intervals" } else { "" }
     );
     let notes = notes(noise, left_out, &unknown, residual);
-    Ok((Source { path: path.to_owned(), heading, noun: "curve", rate_hz: None, notes }, target))
+    Ok((Source { path: path.to_owned(), heading, noun: "curve", rate_hz: None, topic: None, notes }, target))
 }
 
 fn point(known: &[Known], tau_s: f64) -> Point {

@@ -12,8 +12,9 @@ use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{self, Deviation, Unit as Curves};
 use sagnac_records::fit::Fit;
+use sagnac_records::record::log::Field;
 use sagnac_records::spectrum::{Line, Point};
-use sagnac_report::answer::{Fact, Reading};
+use sagnac_report::answer::{self, Fact, Reading};
 use sagnac_report::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
 use sagnac_theory::allan::{Part, Term, density};
 
@@ -45,6 +46,7 @@ impl Analysis {
         }
         facts.extend(self.highest_line());
         facts.extend(self.events());
+        facts.extend(sources(&self.noise.columns));
         decision
     }
 
@@ -80,6 +82,28 @@ impl Analysis {
         let more = if more > 0 { format!("; {more} more") } else { String::new() };
         (!names.is_empty()).then(|| Fact::Caveat { text: names.join("; ") + &more })
     }
+}
+
+/// The messages from which columns were read, those of each topic as one fact.
+fn sources(columns: &[Column]) -> Vec<Fact> {
+    let mut sources: Vec<Fact> = Vec::new();
+    for column in columns {
+        let Some((Field { topic, kind, name }, unit)) = &column.field else { continue };
+        let (column, name, unit) = (column.name.clone(), name.clone(), unit.clone());
+        let field = answer::Field { column, name, unit };
+        let known = sources.iter_mut().find_map(|fact| match fact {
+            Fact::Source { topic: other, fields, .. } if other == topic => Some(fields),
+            _ => None,
+        });
+        match known {
+            Some(fields) => fields.push(field),
+            None => {
+                let (topic, kind) = (topic.clone(), kind.clone());
+                sources.push(Fact::Source { topic, kind, fields: vec![field] });
+            }
+        }
+    }
+    sources
 }
 
 /// Unit of densities in files.

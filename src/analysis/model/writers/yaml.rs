@@ -56,7 +56,7 @@ fn least_walk(axes: &[Axis]) -> f64 {
     axes.iter().map(of_axis).fold(f64::INFINITY, f64::min)
 }
 
-/// The keys of both sensors; those of a sensor without columns are comments.
+/// The keys of both sensors; those of a sensor without columns are comments. `topic` is that of a record without one.
 fn keys(sheet: &Sheet, indent: &str, topic: &str) -> String {
     let sensor = |axes: &[Axis], name: &str, unit: Unit, units: [&str; 2]| -> String {
         let size = si(unit);
@@ -88,5 +88,5 @@ fn keys(sheet: &Sheet, indent: &str, topic: &str) -> String {
     };
     sensor(&sheet.accelerometers, "accelerometer", Unit::Acceleration, units)
         + &sensor(&sheet.gyros, "gyroscope", Unit::Angular, ["rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)"])
-        + &format!("{indent}rostopic: {topic}\n{rate}")
+        + &format!("{indent}rostopic: {}\n{rate}", sheet.analysis.source.topic.as_deref().unwrap_or(topic))
 }
