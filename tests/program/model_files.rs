@@ -201,6 +201,17 @@ fn axes_and_accelerometers_of_an_imu_have_their_places() {
     assert!(!desk.path("m/kalibr.yaml").exists() && desk.path("m/model.csv").exists());
 }
 
+#[test]
+fn the_topic_of_a_bag_is_named_and_that_of_kalibr() {
+    let desk = Desk::with("");
+    let bag = format!("{}/tests/data/formats/imu_bag --column gx", crate::ROOT);
+    let ended = desk.done(&format!("allan {bag} --bootstrap 0"));
+    let source = "Source  /imu/data (sensor_msgs/Imu): angular_velocity.x [rad/s]";
+    assert!(ended.stdout.contains(source), "{}", ended.stdout);
+    desk.done(&format!("model {bag} --write kalibr --out m"));
+    assert!(desk.read("m/kalibr.yaml").contains("rostopic: /imu/data\n"));
+}
+
 /// What the files for MATLAB leave behind in Octave, with functions of the toolboxes that return their arguments.
 const OCTAVE: &str = "1;\n\
     function made = gyroparams(varargin) made = struct(varargin{:}); end\n\
