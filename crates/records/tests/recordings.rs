@@ -1,7 +1,7 @@
 //! Recordings of other programs: their numbers are those that other readers give, and damaged ones are refused or give a log, within a
 //! part of the memory and the time that a sound recording may take.
 //!
-//! The files are written by `tests/data/formats/make.py`; the expected numbers are those of pyulog, pymavlink and rosbags.
+//! The files are written by `tests/data/formats/make.py`; the expected numbers are those of pyulog, pymavlink, rosbags and pandas.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
@@ -89,6 +89,10 @@ const RECORDINGS: &[Recording] = &[
         is_checked: false,
     },
     Recording { file: "imu.csv.gz", ..CHECKED },
+    #[cfg(feature = "parquet")]
+    Recording { file: "imu.parquet", is_checked: false, ..CHECKED },
+    #[cfg(feature = "parquet")]
+    Recording { file: "imu_packed.parquet", is_checked: false, ..CHECKED },
     #[cfg(feature = "ros")]
     Recording { file: "imu_bz2.bag", ..CHECKED },
     #[cfg(feature = "ros")]
@@ -134,6 +138,21 @@ fn samples_are_those_of_other_readers() {
     }
 }
 
+#[cfg(feature = "parquet")]
+#[test]
+fn nulls_of_a_table_are_missing_samples_and_integers_are_read() {
+    let _turn = TURN.lock();
+    for file in ["imu.parquet", "imu_packed.parquet"] {
+        let bytes = bytes_of(file);
+        let log = read(&bytes, &["a"], Timing::Step(0.005)).unwrap();
+        let known: Vec<f64> = log.channels[0].samples.iter().copied().filter(|x| x.is_finite()).collect();
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        assert!(known.len() == 28 && (mean + 0.051_592_404_730_447_246).abs() < 1e-15, "{file}: {mean}");
+        let counts = read(&bytes, &["count"], Timing::default()).unwrap_err();
+        assert!(counts.contains("the unit of `count` is missing"), "{counts}");
+    }
+}
+
 /// The samples of all channels as bits.
 fn bits(log: &Log) -> Vec<u64> {
     log.channels.iter().flat_map(|channel| &channel.samples).map(|sample| sample.to_bits()).collect()
@@ -161,6 +180,8 @@ fn damaged(sound: &[u8], case: usize, draws: &mut StdRng) -> Vec<u8> {
 #[test]
 fn damaged_recordings_are_refused_or_read_within_limits() {
     let _turn = TURN.lock();
+    // A backtrace of what the reader of Parquet catches would take more memory than a recording.
+    std::panic::set_hook(Box::new(|panic| eprintln!("{panic}")));
     for (seed, Recording { file, column, is_checked, .. }) in (1..).zip(RECORDINGS) {
         let sound = bytes_of(file);
         let expected = bits(&read(&sound, &[column], Timing::Step(0.005)).unwrap());

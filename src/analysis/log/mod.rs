@@ -43,9 +43,9 @@ use sagnac_theory::allan::{Process, Term};
 const LONG: usize = 1_000_000_000;
 
 /// Endings of the names of recorded logs, in lower case.
-pub const ENDINGS: [&str; 20] = [
+pub const ENDINGS: [&str; 21] = [
     "csv", "tsv", "dat", "log", "npy", "npz", "mat", "h5", "hdf5", "nc", "mcap", "bag", "bin", "lvm", "raw",
-    "ulg", "db3", "gz", "bz2", "zst",
+    "ulg", "db3", "parquet", "gz", "bz2", "zst",
 ];
 
 /// The request for an analysis.

@@ -1,6 +1,6 @@
 """Writes the same 36 samples of an IMU in each format, by the tools that users have.
 
-    python -m venv env && env/bin/pip install numpy scipy h5py lz4 mcap-ros2-support rosbags zstandard
+    python -m venv env && env/bin/pip install numpy scipy h5py lz4 mcap-ros2-support pyarrow rosbags zstandard
     env/bin/python tests/data/formats/make.py
 """
 
@@ -12,6 +12,8 @@ from pathlib import Path
 import h5py
 import lz4.frame
 import numpy as np
+import pyarrow
+import pyarrow.parquet
 import scipy.io
 import zstandard
 from mcap_ros2.writer import Writer as Mcap
@@ -148,6 +150,22 @@ def write_bag(name, packing=None):
             bag.write(connection, stamp, store.serialize_ros1(message, "sensor_msgs/msg/Imu"))
 
 
+def write_parquet():
+    """Times of the calendar and a column with nulls in place of rates, in parts of 16 rows, with and without checksums."""
+    table = {
+        "time": pyarrow.array(stamps, pyarrow.timestamp("ns")),
+        "note": pyarrow.array(["sound"] * COUNT),
+        **{f"g{axis} [rad/s]": rates[:, at] for at, axis in enumerate("xyz")},
+        "a [m/s^2]": pyarrow.array([None if i % 5 == 0 else float(force[0]) for i, force in enumerate(forces)]),
+        "count": pyarrow.array(row, pyarrow.uint32()),
+    }
+    table = pyarrow.table(table)
+    write = pyarrow.parquet.write_table
+    write(table, FOLDER / "imu.parquet", row_group_size=16)
+    options = {"compression": "zstd", "data_page_version": "2.0", "use_dictionary": False}
+    write(table, FOLDER / "imu_packed.parquet", **options)
+
+
 def ulog_message(kind, body):
     return struct.pack("<HB", len(body), ord(kind)) + body
 
@@ -282,6 +300,7 @@ write_bag_folder()
 write_bag("imu.bag")
 write_bag("imu_packed.bag", Bag.CompressionFormat.LZ4)
 write_bag("imu_bz2.bag", Bag.CompressionFormat.BZ2)
+write_parquet()
 write_ulog()
 write_fifo()
 write_dataflash()

@@ -34,7 +34,12 @@ const OTHERS: [(&[u8], &str, &str); 12] = [
     (b"\x28\xb5\x2f\xfd", "compressed by zstd", "unpack it with `zstd -d`"),
     (b"BZh", "compressed by bzip2", "unpack it with `bzip2 -d`"),
     (b"\xfd7zXZ\0", "compressed by xz", "unpack it with `xz -d`"),
-    (b"PAR1", "Parquet", "convert it with `pandas.read_parquet(\"LOG\").to_csv(\"LOG.csv\")` in Python"),
+    (
+        b"PAR1",
+        "Parquet, which this build of sagnac does not read",
+        "programs of releases and builds with `--features parquet` read it; or convert it with \
+         `pandas.read_parquet(\"LOG\").to_csv(\"LOG.csv\")` in Python",
+    ),
     (
         b"ARROW1",
         "Arrow (Feather)",

@@ -9,6 +9,8 @@ mod mat;
 mod messages;
 mod numpy;
 mod packed;
+#[cfg(feature = "parquet")]
+mod parquet;
 #[cfg(feature = "ros")]
 mod ros;
 mod sqlite;
@@ -54,6 +56,8 @@ pub(crate) static FORMATS: &[Format] = &[
     mat::FORMAT,
     Format { begins: |head| head.starts_with(MCAP), open: open_mcap },
     Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: open_bag },
+    #[cfg(feature = "parquet")]
+    parquet::FORMAT,
     ulog::FORMAT,
     dataflash::FORMAT,
     db3::FORMAT,
