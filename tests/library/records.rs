@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use crate::devices::{adapters, open};
 use sagnac::device::Cpu;
+use sagnac::use_cases::{Numbers, SimulateRequest, Simulation};
+use sagnac_engine::kinds::allan::Allan;
+use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
 use sagnac_engine::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::recipe::{Level, Recipe};
@@ -163,6 +166,86 @@ fn a_record_of_many_dispatches_is_the_same() {
             let mut gpu = open(&adapter, Variant { int64, checked: false, workgroup: 64 });
             let found = gpu.sums(recipe, 5, 3, &|_| {}).unwrap();
             assert!(found == reference, "{}, 64 bits {int64}", gpu.name());
+        }
+    }
+}
+
+/// Every noise beside a readout of whole pulses.
+const STUDY: &str = "title = \"Records\"
+kind = \"allan\"
+trials = 9
+seed = 3
+
+[record]
+sample = \"0.01 s\"
+length = \"20 s\"
+
+[noise]
+quantization = \"0.05 arcsec\"
+readout_lsb = \"0.02 arcsec\"
+angle_random_walk = \"0.01 deg/sqrt(h)\"
+bias_instability = \"1 deg/h\"
+rate_random_walk = \"20 deg/h/sqrt(h)\"
+rate_ramp = \"100 deg/h/h\"
+markov = { amplitude = \"2 deg/h\", time = \"3 s\" }
+sine = { amplitude = \"1 deg/h\", frequency = \"0.7 Hz\" }
+
+[allan]
+overlap = \"full\"
+tau = \"decade10\"
+";
+
+/// The sums of squared differences of a record whose samples are whole multiples of `lsb`.
+fn sums_of(increments: impl Iterator<Item = f64>, lsb: f64, levels: &[Level]) -> Vec<u128> {
+    let mut angles = vec![0_i64];
+    for increment in increments {
+        let whole = (increment / lsb).round();
+        assert_eq!(whole * lsb, increment, "a sample is a whole number of LSB");
+        angles.push(angles[angles.len() - 1] + whole as i64);
+    }
+    let square = |stride: usize, span: u32| {
+        let kept: Vec<i64> = angles.iter().step_by(stride).copied().collect();
+        let differences = kept.windows(2 * span as usize + 1);
+        let second = |angles: &[i64]| angles[0] - 2 * angles[span as usize] + angles[2 * span as usize];
+        differences.map(|angles| u128::from(second(angles).unsigned_abs()).pow(2)).sum()
+    };
+    let of_level = |level: &Level| -> Vec<u128> {
+        level.spans.iter().map(|&span| square(level.stride as usize, span)).collect()
+    };
+    levels.iter().flat_map(of_level).collect()
+}
+
+#[test]
+fn record_7_of_seed_3_is_the_samples_that_simulate_writes_on_every_device() {
+    let simulation = Simulation::parse("study.toml", STUDY, &SimulateRequest::default()).unwrap();
+    let study = simulation.study();
+    let allan = study.asked::<Allan>().unwrap();
+    let lowered = LoweredCurve::new(&allan.points[0], allan.estimator, study.seed, study.streams).unwrap();
+    let (records, number) = (&lowered.records, 7);
+    let (recipe, lsb) = (records.recipe(), records.lsb_arcsec());
+    let expected = sums_of(simulation.numbers(number, 0, Numbers::Increment), lsb, &recipe.levels);
+    assert_eq!(expected.len(), recipe.places());
+    // By itself, and as one of several that a division of the trials makes.
+    let divisions = [(7, 1), (0, 9), (5, 4), (6, 2)];
+    let own = |all: Vec<u128>, first: u64| {
+        let start = (number - first) as usize * expected.len();
+        all[start..start + expected.len()].to_vec()
+    };
+    for width in Width::available() {
+        let cpu = Cpu::new(width, 2).unwrap();
+        for (first, count) in divisions {
+            let found = own(cpu.sums(recipe, first, count, &|_| {}), first);
+            assert!(found == expected, "{}, {count} from {first}", width.name());
+        }
+    }
+    for adapter in adapters() {
+        for int64 in [true, false].into_iter().filter(|int64| adapter.has_int64() || !int64) {
+            let variant = Variant { int64, checked: int64, workgroup: 64 };
+            let mut gpu = open(&adapter, variant);
+            for (first, count) in divisions {
+                let found = own(gpu.sums(recipe, first, count, &|_| {}).unwrap(), first);
+                assert!(found == expected, "{}, {variant:?}, {count} from {first}", gpu.name());
+            }
         }
     }
 }
