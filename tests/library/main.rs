@@ -42,6 +42,7 @@ mod navigation;
 mod pairs;
 mod published;
 mod record_lowering;
+mod record_spectra;
 mod record_switching;
 mod record_theories;
 mod records;
