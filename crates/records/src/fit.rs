@@ -41,6 +41,7 @@ pub mod points;
 pub mod regression;
 pub mod search;
 pub mod selection;
+mod shapes;
 pub mod uncertainty;
 
 use std::sync::{Arc, OnceLock};

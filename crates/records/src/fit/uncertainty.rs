@@ -167,6 +167,15 @@ impl Shape {
     }
 }
 
+/// Standard error of the logarithm of the shape of a term; `None` where other parameters can replace it.
+pub(crate) fn error_of_shape(system: &System, fitted: &[Fitted], term: Term) -> Option<f64> {
+    let used: Vec<Fitted> = fitted.iter().copied().filter(|fitted| fitted.square > 0.0).collect();
+    let place = used.iter().position(|fitted| fitted.term == term)?;
+    let before: usize = used[..place].iter().map(|fitted| fitted.term.parameters()).sum();
+    let row = &inverse(&derivatives(system, &used))?[before + 1];
+    Some(libm::sqrt(row[before + 1]))
+}
+
 /// Whether a search ended at a limit of its range instead of at a minimum.
 fn is_at_the_end(shape: f64, [low, high]: [f64; 2]) -> bool {
     shape < 1.01 * low || shape > high / 1.01
