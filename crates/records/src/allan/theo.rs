@@ -1,7 +1,8 @@
 //! Theo1 and ThêoH, which reach averaging times of three quarters of the record.
 //!
 //! Theo1 at an even factor m averages second differences of several distances over m samples, and has an effective averaging time τ of
-//! 0.75 m. Definitions, biases and degrees of freedom: NIST SP 1065 (5.2.15 to 5.2.17 and tables 5 and 9).
+//! 0.75 m. Definitions, biases and degrees of freedom: NIST SP 1065 (5.2.15 to 5.2.17 and tables 5 and 9). The
+//! biases are those of TFTools too, and the degrees of freedom those of SigmaTau.jl.
 
 use std::ops::Range;
 
