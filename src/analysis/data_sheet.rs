@@ -155,7 +155,7 @@ impl DataSheet {
         });
         let ranking = if described.is_described { ranking(described) } else { Ok(vec![]) };
         let ranking = ranking.map_err(|error| error.to_string())?;
-        let fit = noise.judged(noise.described.fitter.with_inverted_shapes(fit), asked.is_forced);
+        let fit = noise.judged(noise.described.fitter.with_inverted_times(fit), asked.is_forced);
         let Noise { shown: events, is_hump, .. } = noise;
         Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events, ranking })
     }

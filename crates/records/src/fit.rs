@@ -41,7 +41,7 @@ pub mod points;
 pub mod regression;
 pub mod search;
 pub mod selection;
-mod shapes;
+mod times;
 pub mod uncertainty;
 
 use std::sync::{Arc, OnceLock};

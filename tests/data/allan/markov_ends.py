@@ -1,4 +1,4 @@
-"""Intervals of a correlation time by test inversion, from dense matrices, for crates/records/src/fit/shapes.rs. Needs NumPy and SciPy.
+"""Intervals of a correlation time by test inversion, from dense matrices, for crates/records/src/fit/times.rs. Needs NumPy and SciPy.
 
 The record has 512 samples of 2 s of white noise with N = 1 and Markov noise. The covariance of two overlapping Allan variances is
 2 tr(A C B C), where A and B are their quadratic forms in the rates and C is the covariance of the rates.

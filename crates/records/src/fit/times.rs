@@ -1,8 +1,8 @@
-//! Intervals of correlation times and frequencies by test inversion.
+//! Intervals of correlation times by test inversion.
 //!
-//! The standard error of the logarithm of a shape depends on the shape itself: the longer a correlation time, the fewer of them has a
-//! record. A time that comes out short therefore also claims to be precise, and ± 1.96 of its standard errors miss the truth above
-//! them. The ends are instead the shapes whose own standard errors make the found one the quantile of 2.5 or 97.5 %, each with the
+//! The standard error of the logarithm of a correlation time grows with the time: the longer it is, the fewer of them has a record. A
+//! time that comes out short therefore also claims to be precise, and ± 1.96 of its standard errors miss the truth above
+//! them. The ends are instead the times whose own standard errors make the found one the quantile of 2.5 or 97.5 %, each with the
 //! squares that fit best beside it.
 
 use crate::fit::search::{Fitted, System, shape_range};
@@ -15,10 +15,12 @@ const STEPS: usize = 20;
 const NEAR: f64 = 1e-5;
 
 impl Fitter {
-    /// The fit of [`Fitter::curve`] with these intervals of its shapes. Those whose standard error is not known elsewhere keep theirs.
-    pub fn with_inverted_shapes(&self, mut fit: Fit) -> Fit {
+    /// The fit of [`Fitter::curve`] with this interval of its correlation time, which keeps its own where the standard error of other
+    /// times is not known.
+    pub fn with_inverted_times(&self, mut fit: Fit) -> Fit {
         let terms = found(&fit);
-        for coefficient in &mut fit.coefficients {
+        for coefficient in fit.coefficients.iter_mut().filter(|coefficient| coefficient.term == Term::Markov)
+        {
             let place = terms.iter().position(|fitted| fitted.term == coefficient.term);
             let (Some(shape), Some(place)) = (&mut coefficient.shape, place) else { continue };
             let [least, most] = shape_range(self.curve(), coefficient.term);
@@ -31,15 +33,15 @@ impl Fitter {
         fit
     }
 
-    /// The shape on the side of `sign` of which that of the term at `place` is a quantile. Where no shape up to `limit` is, the end
-    /// is `limit`, or 1.96 of the standard errors of the found shape if these reach farther.
+    /// The time on the side of `sign` of which that of the term at `place` is a quantile. Where no time up to `limit` is, the end is
+    /// `limit`, or 1.96 of the standard errors of the found time if these reach farther.
     fn end_of_shape(&self, terms: &[Fitted], place: usize, sign: f64, limit: f64) -> Option<f64> {
         let shape = terms[place].shape;
         let at = |distance: f64| shape * libm::exp(sign * distance);
         let reach = |distance: f64| Some(WITHIN_95 * self.error_at(terms, place, at(distance))?);
         let first = reach(0.0)?;
         let farthest = libm::fabs(libm::log(limit / shape)).max(first);
-        // Secants of what the errors of a shape reach beyond its distance.
+        // Secants of what the errors of a time reach beyond its distance.
         let (mut before, mut distance) = ((0.0, first), first);
         for _ in 0..STEPS {
             let beyond = reach(distance)? - distance;
@@ -53,7 +55,7 @@ impl Fitter {
         Some(at(distance))
     }
 
-    /// Standard error of the logarithm of a shape if it were `shape`.
+    /// Standard error of the logarithm of a correlation time if it were `shape`.
     fn error_at(&self, terms: &[Fitted], place: usize, shape: f64) -> Option<f64> {
         let mut moved = terms.to_vec();
         moved[place].shape = shape;
@@ -80,7 +82,7 @@ mod tests {
         let variances = ms.iter().map(at).collect();
         let curve = Curve::new(2.0, 512, Difference::Second, ms, variances).unwrap();
         let fitter = Fitter::new(&curve, &Terms::Given(terms.to_vec())).unwrap();
-        fitter.with_inverted_shapes(fitter.fit_record(curve.variances()).unwrap())
+        fitter.with_inverted_times(fitter.fit_record(curve.variances()).unwrap())
     }
 
     #[test]
