@@ -24,12 +24,14 @@ Record: TypeAlias = ArrayLike | Log | os.PathLike[str]
 Given: TypeAlias = tuple[_sagnac.Log | Numbers, Reading, str]
 
 
-def curve_of(data: object, unit: str | None, name: str | None) -> tuple[_sagnac.Curve, str] | None:
+def curve_of(
+    data: object, unit: str | None, name: str | None, interval: str | None
+) -> tuple[_sagnac.Curve, str] | None:
     """A curve with what it is called, of a tuple of averaging times, deviations and perhaps the ends of their intervals, or of the path
     of such a file; None for a record."""
     if isinstance(data, (str, os.PathLike)):
         path = Path(data)
-        return (_sagnac.read_curve(path, unit), name or str(path)) if _sagnac.is_curve(path) else None
+        return (_sagnac.read_curve(path, unit, interval), name or str(path)) if _sagnac.is_curve(path) else None
     if not isinstance(data, tuple) or not 2 <= len(data) <= 4 or any(np.ndim(column) != 1 for column in data):
         return None
     if len(data) == 3 or len({len(column) for column in data}) != 1:
@@ -37,7 +39,13 @@ def curve_of(data: object, unit: str | None, name: str | None) -> tuple[_sagnac.
     if unit is None:
         raise UsageError('unit is missing, which a curve does not say\nadd for example unit="deg/h"')
     columns = [np.asarray(column, dtype=np.float64).tolist() for column in data]
-    return _sagnac.curve_of(name or "curve", columns, unit), name or "curve"
+    return _sagnac.curve_of(name or "curve", columns, unit, interval), name or "curve"
+
+
+def refuse_interval(curve_interval: str | None) -> None:
+    """Raises for errors of a curve where none is given."""
+    if curve_interval is not None:
+        raise UsageError(f'curve_interval="{curve_interval}" is that of a curve\ngive a curve, or leave curve_interval out')
 
 
 def refuse_for_curve(function: Callable[..., object], given: Mapping[str, Any], accepted: Collection[str]) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import _sagnac
 
 from ._raw import RawAnalysis
-from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve
+from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve, refuse_interval
 from .errors import UsageError
 from .logs import Kind, Log, Reading
 from .results import Charted, Table, answer_of
@@ -180,6 +180,7 @@ def compare(
     names: tuple[str, str] | None = None,
     terms: Literal["auto"] | Sequence[str] = "auto",
     limits: Mapping[str, float] | None = None,
+    curve_interval: str | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -198,6 +199,8 @@ def compare(
         What the records are called; by default the names of their files, or A and B for arrays.
     terms, kind, detrend, remove_outliers, unit_check, threads
         As for :func:`fit`.
+    curve_interval
+        As for :func:`analyze`.
     limits
         Largest accepted ratios of coefficients, b over a, which ``tables["limits.csv"]`` has with what the records show: ``{"N": 1.1}``.
 
@@ -223,7 +226,7 @@ def compare(
         if isinstance(data, Mapping) or (isinstance(data, (str, os.PathLike)) and str(data).endswith(".toml")):
             path, text = _source(data)
             return (path, text), name or (str(path) if path else "AB"[place])
-        curve = curve_of(data, units[place], name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place]))
+        curve = curve_of(data, units[place], name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place]), curve_interval)
         if curve is not None:
             return curve
         record, reading, called = reading_of(
@@ -232,8 +235,10 @@ def compare(
         return (record, reading), called
 
     (first, one), (second, other) = side(0, a), side(1, b)
+    if not any(isinstance(found, _sagnac.Curve) for found in (first, second)):
+        refuse_interval(curve_interval)
     if not any(isinstance(found, tuple) and isinstance(found[-1], Reading) for found in (first, second)):
-        refuse_for_curve(compare, given, ("a", "b", "unit", "names", "terms", "limits"))
+        refuse_for_curve(compare, given, ("a", "b", "unit", "names", "terms", "limits", "curve_interval"))
     return _analysis(_sagnac.compare((first, second), (one, other), _terms(terms), limits_of(limits)))
 
 

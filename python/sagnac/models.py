@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import _sagnac
 
-from ._reading import Record, curve_of, reading_of, refuse_for_curve
+from ._reading import Record, curve_of, reading_of, refuse_for_curve, refuse_interval
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError
 from .logs import Kind
@@ -19,7 +19,7 @@ MAX_STATES = 3
 
 #: What a curve takes of the arguments of :func:`model`.
 CURVE_ARGUMENTS = (
-    "data", "unit", "name", "terms", "from_s", "to_s", "bound", "margin", "states", "quantization", "filter_rate", "write",
+    "data", "unit", "name", "terms", "curve_interval", "from_s", "to_s", "bound", "margin", "states", "quantization", "filter_rate", "write",
 )  # fmt: skip
 
 
@@ -54,6 +54,7 @@ def model(
     confidence: float = 0.95,
     write: Sequence[str] = (),
     terms: Literal["auto"] | Sequence[str] = "auto",
+    curve_interval: str | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -65,7 +66,7 @@ def model(
     ----------
     data, rate, unit, kind, terms, detrend, remove_outliers, unit_check, threads
         A record, as for :func:`fit`; a log may have several columns. Or a curve, as for :func:`analyze`, which takes ``unit``, ``name``,
-        ``terms`` and the arguments of the model except ``confidence``.
+        ``terms``, ``curve_interval`` and the arguments of the model except ``confidence``.
     noise
         Instead of a record, the noise of a study: a path of a noise.toml, its text, or a dictionary such as
         ``{"angle_random_walk": "0.003 deg/sqrt(h)"}``.
@@ -135,8 +136,9 @@ def model(
         return _analysis(_sagnac.model_of_noise(path, text, wanted))
     if data is None:
         raise UsageError("neither a record nor noise is given\ngive data, or noise=")
-    if (curve := curve_of(data, unit, name)) is not None:
+    if (curve := curve_of(data, unit, name, curve_interval)) is not None:
         refuse_for_curve(model, given, CURVE_ARGUMENTS)
         return _analysis(_sagnac.model_of_curve(*curve, _terms(terms), wanted))
+    refuse_interval(curve_interval)
     record = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads, name=name)
     return _analysis(_sagnac.model_of_record(*record, _terms(terms), wanted))

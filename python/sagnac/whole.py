@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 import _sagnac
 
-from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve
+from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve, refuse_interval
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError
 from .logs import Kind, effects_of
@@ -19,7 +19,7 @@ from .studies import _whole
 
 
 #: What a curve takes of the arguments of :func:`analyze`.
-CURVE_ARGUMENTS = ("data", "unit", "name", "terms", "fit_from", "fit_to", "force", "limits")
+CURVE_ARGUMENTS = ("data", "unit", "name", "terms", "fit_from", "fit_to", "force", "limits", "curve_interval")
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,7 @@ def analyze(
     segment: float | None = None,
     segment_detrend: Literal["constant", "linear"] = "constant",
     limits: Mapping[str, str | float] | None = None,
+    curve_interval: str | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     remove_events: bool = False,
@@ -87,7 +88,7 @@ def analyze(
     data, rate, unit, kind, deviation, taus, confidence, intervals, detrend, remove_outliers, unit_check, threads
         As for :func:`allan`; a log may have several columns. The record is copied. Or a curve of a paper or another tool: a tuple of
         averaging times, s, and Allan deviations, and of the lower and upper ends of their 95 % intervals, which are else taken as ±10 %;
-        or the path of a file with such columns. It takes ``unit``, ``name``, ``terms``, ``fit_from``, ``fit_to``, ``force`` and ``limits``.
+        or the path of a file with such columns. It takes ``unit``, ``name``, ``terms``, ``fit_from``, ``fit_to``, ``force``, ``limits`` and ``curve_interval``.
     name
         What the record is called; by default the name of its file, or ``record`` for an array.
     terms, fit_from, fit_to, force, bootstrap
@@ -109,6 +110,8 @@ def analyze(
         Whether the spectrum is computed.
     segment, segment_detrend, limits
         As for :func:`psd`.
+    curve_interval
+        Half the 95 % interval of each point of a curve, such as ``"10%"``, or the length of its record, such as ``"9 h"``.
     remove_events
         Removes what the record holds besides noise, as it is listed in ``events.csv``.
 
@@ -130,13 +133,14 @@ def analyze(
     'N = 0.05 °/√'
     """
     given = dict(locals())
-    if (curve := curve_of(data, unit, name)) is not None:
+    if (curve := curve_of(data, unit, name, curve_interval)) is not None:
         refuse_for_curve(analyze, given, CURVE_ARGUMENTS)
         return _analysis(
             _sagnac.analyze_curve(
                 *curve, terms is not None, None if terms is None else _terms(terms), (fit_from, fit_to), force, limits_of(limits)
             )
         )
+    refuse_interval(curve_interval)
     if navigate is None and position_limit is not None:
         raise UsageError("position_limit is that of navigators\nadd for example navigate=3600.0, or leave position_limit out")
     if navigate is not None and terms is None:

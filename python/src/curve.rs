@@ -8,11 +8,14 @@ use sagnac::analysis::log::Treatment;
 use sagnac::analysis::requirement::{Limit, Limited};
 use sagnac::fit::selection::Fitting;
 use sagnac::progress::Silent;
-use sagnac::record::curve_file::{CurveFile, CurveRequest};
+use sagnac::record::curve_file::{CurveFile, CurveRequest, Errors};
 use sagnac::use_cases::{ModelSource, fit_curve, model_noise};
+use sagnac_base::quantity::Dimension;
 
 use super::analysis::{Wanted, in_dict};
+use super::argument::at_least_0;
 use super::compute::compute_on;
+use super::failure::Failure;
 use super::record::terms_of;
 
 /// A curve in memory.
@@ -27,17 +30,50 @@ pub fn is_curve(path: PathBuf) -> bool {
     CurveFile::is_one(&path)
 }
 
+/// The errors of points: half their 95 % interval in percent, or the length of their record.
+fn errors_of(text: &str) -> Result<Errors, Failure> {
+    let wrong = || {
+        Failure::Usage(format!(
+            "curve_interval=\"{text}\"\naccepted: \"10%\", or the length of a record, \"9 h\""
+        ))
+    };
+    match text.trim().strip_suffix('%') {
+        Some(percent) => {
+            let percent =
+                percent.trim().parse().ok().filter(|percent: &f64| *percent > 0.0 && *percent <= 100.0);
+            percent.map(|percent| Errors::Part(0.01 * percent)).ok_or_else(wrong)
+        }
+        None => {
+            let length_s = at_least_0("curve_interval", text, Dimension::Time)?.value;
+            if length_s > 0.0 { Ok(Errors::Record(length_s)) } else { Err(wrong()) }
+        }
+    }
+}
+
 /// Reads the curve at `path`.
 #[pyfunction]
-#[pyo3(signature = (path, unit))]
-pub fn read_curve(py: Python, path: PathBuf, unit: Option<String>) -> PyResult<Curve> {
-    let request = CurveRequest { unit, ..CurveRequest::default() };
+#[pyo3(signature = (path, unit, interval))]
+pub fn read_curve(
+    py: Python,
+    path: PathBuf,
+    unit: Option<String>,
+    interval: Option<String>,
+) -> PyResult<Curve> {
+    let errors = interval.as_deref().map(errors_of).transpose()?;
+    let request = CurveRequest { unit, errors, ..CurveRequest::default() };
     compute_on(py, 0, || Ok(Curve { read: CurveFile::read(&path, &request)? }))
 }
 
 /// A curve called `name` from its columns: averaging times, s, deviations, and the ends of their 95 % intervals, if there are some.
 #[pyfunction]
-pub fn curve_of(py: Python, name: String, columns: Vec<Vec<f64>>, unit: String) -> PyResult<Curve> {
+#[pyo3(signature = (name, columns, unit, interval))]
+pub fn curve_of(
+    py: Python,
+    name: String,
+    columns: Vec<Vec<f64>>,
+    unit: String,
+    interval: Option<String>,
+) -> PyResult<Curve> {
     const NAMES: [&str; 4] = ["tau", "adev", "low", "high"];
     let names: Vec<&str> = NAMES.into_iter().take(columns.len()).collect();
     let rows = (0..columns.first().map_or(0, Vec::len)).map(|row| {
@@ -46,7 +82,8 @@ pub fn curve_of(py: Python, name: String, columns: Vec<Vec<f64>>, unit: String) 
         cells.collect::<Vec<_>>().join(",")
     });
     let text: Vec<String> = std::iter::once(names.join(",")).chain(rows).collect();
-    let request = CurveRequest { unit: Some(unit), ..CurveRequest::default() };
+    let errors = interval.as_deref().map(errors_of).transpose()?;
+    let request = CurveRequest { unit: Some(unit), errors, ..CurveRequest::default() };
     compute_on(py, 0, || Ok(Curve { read: CurveFile::parse(&name, &text.join("\n"), &request)? }))
 }
 

@@ -150,13 +150,14 @@ impl From<LogError> for Failure {
 }
 
 /// Settings of the library with the corresponding arguments.
-const ARGUMENTS: [(&str, &str); 26] = [
+const ARGUMENTS: [(&str, &str); 27] = [
     ("at", "at"),
     ("band", "band"),
     ("binary", "binary"),
     ("bootstrap", "bootstrap"),
     ("by", "by"),
     ("column", "column"),
+    ("curve_interval", "curve_interval"),
     ("data", "kind"),
     ("decimal", "decimal"),
     ("device", "device"),

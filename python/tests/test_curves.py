@@ -57,6 +57,9 @@ def test_a_model_and_a_comparison_take_curves(program: Program) -> None:
     for sheet in ({"angle_random_walk": "0.04 deg/sqrt(h)"}, program.folder / "sheet.toml"):
         found = sagnac.compare(sheet, (TAU, first), unit="deg/h", names=("sheet.toml", "a.csv"))
         assert found.data["tables"] == expected["tables"]
+    expected = program("compare", "a.csv", "b.csv", *READ, "--curve-interval", "5%")
+    compared = sagnac.compare(paths[0], paths[1], unit="deg/h", names=("a.csv", "b.csv"), curve_interval="5%")
+    assert compared.data["tables"] == expected["tables"]
     record = np.random.default_rng(1).normal(0.0, 3.0, 20_000)
     mixed = sagnac.compare(record, (TAU, first), 1.0, unit="deg/h")
     assert mixed.data["tables"]["coefficients"][0]["status"] == "consistent"
@@ -68,6 +71,8 @@ def test_what_a_curve_cannot_give_is_said(program: Program) -> None:
         "dynamic=True needs a record": lambda: sagnac.analyze(curve, unit="deg/h", dynamic=True),
         "confidence=0.9 needs a record": lambda: sagnac.model(curve, unit="deg/h", confidence=0.9),
         "remove_outliers=True needs a record": lambda: sagnac.compare(curve, curve, unit="deg/h", remove_outliers=True),
+        'curve_interval="0%"': lambda: sagnac.analyze(curve, unit="deg/h", curve_interval="0%"),
+        "is that of a curve": lambda: sagnac.analyze(TAU, 1.0, unit="deg/h", curve_interval="5%"),
         "unit is missing": lambda: sagnac.analyze(curve),
     }
     for wrong, call in calls.items():
