@@ -48,7 +48,7 @@ fn the_page_of_a_log_holds_what_its_json_holds() {
     for piece in [
         "Noise of imu.csv",
         "8192 samples at 100 Hz",
-        "gx: least N, ",
+        "gx: smallest N, ",
         "one of 0.7 s, 70 samples, at 10 s",
         "one at 30 s",
         "5.5 min (4 × as long), if it is ",

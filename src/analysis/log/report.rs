@@ -170,7 +170,7 @@ pub(crate) fn ranking_columns<'a>() -> Vec<ColumnOf<RankedRow<'a>>> {
     vec![
         key(|row| text(row.column)),
         Of::new("model", Unit::NONE, "model", |row| text(&symbols(&row.model.terms)))
-            .is(Role::Key, "The terms of the model, as `--terms` names them, the best model first."),
+            .is(Role::Key, "The symbols of its terms, the best model first."),
         Of::new("chi_squared", Unit::NONE, "χ²", |row| Cell::Number(row.model.chi_squared))
             .is(Role::Estimate, "Weighted sum of the squared residuals of its fit, with the covariance of the fit of the record."),
         Of::new("degrees_of_freedom", Unit::NONE, "degrees of freedom", |row| Cell::Integer(row.model.degrees_of_freedom as i64))

@@ -269,6 +269,12 @@ impl<'a> Panel<'a> {
         // The status is that of the columns before it.
         let limited = 1 + first.len().min(most);
         let shown: Vec<Limited> = first.into_iter().chain(others).take(most).collect();
+        // Those of a single coefficient have a column.
+        let ends = |subject: &Subject| match &shown[..] {
+            [only] => subject.shown(*only).ok()?.reading()?.ends_text(),
+            _ => None,
+        };
+        let has_interval = subjects.iter().any(|subject| ends(subject).is_some());
         let row = |subject: &&Subject| {
             let cell = |of: &Limited| subject.shown(*of).map_or_else(|_| "—".into(), Row::cell);
             let own: Vec<Standing> = self
@@ -282,6 +288,9 @@ impl<'a> Panel<'a> {
             if is_judged {
                 cells.insert(limited, status(&own).text().into());
             }
+            if has_interval {
+                cells.insert(2, ends(subject).unwrap_or_default().into());
+            }
             cells
         };
         let mut heads = vec![what];
@@ -289,9 +298,12 @@ impl<'a> Panel<'a> {
         if is_judged {
             heads.insert(limited, "status");
         }
+        if has_interval {
+            heads.insert(2, "95 % interval");
+        }
         AnswerTable {
             best: Some(0),
-            shows_intervals: subjects.len() <= MAX_WITH_INTERVALS,
+            shows_intervals: shown.len() > 1 && subjects.len() <= MAX_WITH_INTERVALS,
             ..AnswerTable::new(heads, subjects.iter().map(row))
         }
     }
