@@ -28,8 +28,6 @@ pub(crate) mod plot;
 #[cfg(feature = "png")]
 pub(crate) mod png;
 pub(crate) mod ticks;
-#[cfg(feature = "png")]
-use crate::chart::png::PngError;
 
 use serde::Serialize;
 
@@ -38,6 +36,9 @@ use crate::chart::canvas::Canvas;
 use crate::chart::console::Look;
 use crate::chart::figure::Figure;
 use crate::chart::map::Map;
+#[cfg(feature = "png")]
+use crate::chart::png::PngError;
+use sagnac_base::table::ColumnError;
 
 pub use crate::chart::palette::COLOURS;
 
@@ -165,10 +166,6 @@ impl Picture {
         });
     }
 }
-
-#[cfg(doc)]
-use crate::chart::figure::Figure;
-use sagnac_base::table::ColumnError;
 
 /// Notes for the reader of a chart.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
