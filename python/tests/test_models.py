@@ -34,7 +34,7 @@ def test_a_model_of_noise_is_that_of_the_program(program: Program) -> None:
         found = sagnac.model(noise=noise, from_s=1.0, to_s=1000.0, filter_rate=10.0)
         assert without_place(found.data) == without_place(expected)
     assert found.plot("model") is not None
-    assert str(found.answer).startswith("N and K bound the record to ")
+    assert str(found.answer).startswith("N and K bound the curve to ")
 
 
 def test_a_model_of_a_record_is_that_of_the_program(program: Program) -> None:

@@ -11,7 +11,9 @@ use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 #[cfg(feature = "ros")]
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
-use crate::record::format::{check_unpacked, part};
+use crate::record::format::check_unpacked;
+#[cfg(feature = "ros")]
+use crate::record::format::part;
 use crate::record::malformed;
 
 /// Most bytes that a file may unpack to: it is held in memory.
