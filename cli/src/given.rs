@@ -85,7 +85,7 @@ impl Args for Given {
 mod tests {
     use super::*;
 
-    /// What a curve has, or what makes its file a log.
+    /// The options that a curve has, and those that make its file a log.
     const OF_CURVES: [&str; 31] = [
         "binary",
         "column",

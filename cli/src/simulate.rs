@@ -199,7 +199,7 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     }
 }
 
-/// How a log command reads an array without names: a line.
+/// A line with the options by which a command on logs reads an array without names.
 fn hint(simulation: &Simulation, numbers: Numbers) -> String {
     let step_s = simulation.sample_s();
     let rate_hz = 1.0 / step_s;

@@ -213,7 +213,7 @@ impl Analysis {
         }
     }
 
-    /// Where the variance of a unit is negative, and where even its interval is.
+    /// The averaging times at which the variance of a unit is negative, and those at which even its interval is.
     fn caveats(&self, place: usize, label: &str) -> Vec<Fact> {
         let of = self.hats.len();
         let negative = self.hats.iter().filter(|hat| hat.units[place].variance < 0.0).count();

@@ -1,4 +1,4 @@
-//! What turns the gyros of simulated records besides their noise: motions about the axes, which misaligned axes share, scale factors, and
+//! Rates of simulated records besides their noise: motions about the axes, which misaligned axes share, scale factors, and
 //! the dependence of the rate on a temperature.
 //!
 //! All of it is added in whole numbers of 2^−32 of the unit of the noise, before whole pulses are read.
@@ -31,7 +31,7 @@ pub struct MotionText {
     pub text: String,
 }
 
-/// How an axis differs from that of the motion.
+/// A deviation of an axis of the gyro from that of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
     /// Axis, counted from 0.
@@ -127,16 +127,17 @@ impl Warming {
 pub(crate) struct Added {
     /// The motion about each axis, if there is one.
     pub(crate) motions: Vec<Option<RecordMotion>>,
-    /// What each axis senses of the motions about all, in 2^−32.
+    /// The part of the motion about each axis that each axis of the gyro senses, in 2^−32.
     parts: Vec<Vec<i128>>,
     temperature: Option<([f64; 2], RecordMotion)>,
     samples: Samples,
-    /// What it is, line by line, without the tones that are drawn.
+    /// A description, line by line, without the tones that are drawn.
     pub(crate) truth: String,
 }
 
 impl Added {
-    /// What is asked for `axes` axes; motions have their axis and, after "by the motion of", what they are.
+    /// Adds motions, sensitivities and a temperature to `axes` axes. Each motion has its axis and the end of the sentence that describes it,
+    /// which begins with "The base turns by the motion of".
     ///
     /// # Errors
     /// An axis is not there, has two motions, or there is nothing that would have an effect.

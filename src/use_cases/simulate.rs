@@ -73,7 +73,7 @@ pub struct SimulateRequest {
 /// A column of a record.
 #[derive(Debug, Clone, Copy)]
 enum Content {
-    /// What the gyro of an axis reads.
+    /// The numbers that the gyro of an axis reads.
     Reading(usize),
     /// The motion about an axis.
     Truth(usize),
@@ -305,7 +305,7 @@ impl Simulation {
         self.added.motions.len()
     }
 
-    /// What the records have besides the noise of the study, a line for each.
+    /// A description of all that the records have besides the noise of the study, in lines.
     pub fn truth(&self) -> &str {
         &self.added.truth
     }

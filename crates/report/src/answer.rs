@@ -187,7 +187,7 @@ impl AnswerTable {
         AnswerTable { columns, rows, omitted, ..AnswerTable::default() }.without_blanks()
     }
 
-    /// What stands below a cell of the column `at`: the ends of the interval of its value, if the table shows them.
+    /// The text below a cell of the column `at`: the ends of the interval of the value, if the table shows them.
     fn below(&self, row: &[AnswerCell], at: usize) -> Option<String> {
         let ends =
             |cell: &AnswerCell| cell.value.as_ref().filter(|_| cell.relation == Relation::Equal)?.ends_text();

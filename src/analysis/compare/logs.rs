@@ -91,7 +91,7 @@ pub struct Side {
     pub label: String,
 }
 
-/// What a side of a comparison is.
+/// The kind of a side of a comparison.
 #[derive(Debug)]
 pub enum Subject {
     /// A log with its compared column, without curves and coefficients.
@@ -155,7 +155,7 @@ impl Side {
         if let Subject::Curve(curve) = &self.subject { Some(curve) } else { None }
     }
 
-    /// What it is, in a few words, such as `9 h` of a record.
+    /// The side in a few words, such as `9 h` of a record.
     pub(super) fn extent(&self) -> String {
         match &self.subject {
             Subject::Log(log) => duration(log.length_s()),

@@ -270,7 +270,7 @@ fn measured(fit: &ChartLine) -> String {
     if fit.is_empty() { String::new() } else { "measured".to_owned() }
 }
 
-/// What both sides are, and the treatment of records.
+/// The kinds of both sides, and the treatment of records.
 fn subtitle(analysis: &Analysis) -> String {
     let sides = analysis.sides.iter().map(|side| format!("{}: {}", side.label, side.extent()));
     sides.chain(analysis.treatment().map(|treatment| treatment.summary())).collect::<Vec<_>>().join("; ")

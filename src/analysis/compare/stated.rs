@@ -89,7 +89,7 @@ impl Stated {
         self.parts.iter().map(|part| part.term.symbol()).collect()
     }
 
-    /// What its errors are, and what its record did not identify.
+    /// The errors of the coefficients, and the coefficients that the record did not identify.
     pub(crate) fn notes(&self) -> Vec<String> {
         let is_exact = |part: &&Part| self.intervals.known.iter().all(|(term, _)| *term != part.term);
         let exact: Vec<&str> = self.parts.iter().filter(is_exact).map(|part| part.term.symbol()).collect();

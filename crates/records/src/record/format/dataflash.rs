@@ -91,7 +91,7 @@ struct Kind {
     content: Content,
 }
 
-/// What a message has for a record.
+/// The contents of a message that belong to a record.
 enum Content {
     None,
     /// A sample, and the number of its sensor.
@@ -105,7 +105,7 @@ enum Content {
 /// A batch of samples.
 struct Batch {
     number: f64,
-    /// Its sensor, and the place of the first axis in a sample.
+    /// The sensor of the message, and the place of the first axis in a sample.
     sensor: String,
     at: usize,
     start_us: f64,
@@ -161,7 +161,7 @@ impl Kind {
 }
 
 impl Content {
-    /// What messages of this description have; nothing where it is none for a record.
+    /// The contents of messages of this description; nothing where none belongs to a record.
     fn new(name: &str, types: &str, labels: &str, length: usize) -> Option<Content> {
         let (mut places, mut start) = (HashMap::new(), 0);
         for (kind, label) in types.bytes().zip(labels.split(',')) {
@@ -381,7 +381,7 @@ impl Batch {
         self.count as f64 * self.step_us
     }
 
-    /// Its samples with their times.
+    /// The samples with their times.
     fn rows(&self) -> impl Iterator<Item = Sample> + '_ {
         self.samples.iter().enumerate().map(|(i, values)| {
             let mut sample = [f64::NAN; 7];

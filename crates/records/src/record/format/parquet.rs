@@ -187,7 +187,7 @@ impl Columns for Parquet {
 
 /// A column with numbers.
 struct Column {
-    /// Its place among all columns of the file.
+    /// The place of the column among all columns of the file.
     place: usize,
     is_unsigned: bool,
     /// The level of a row with a number; others have none.

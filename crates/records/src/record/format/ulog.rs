@@ -67,7 +67,7 @@ struct Log {
     numbers: Vec<f64>,
 }
 
-/// What a message with samples has.
+/// The contents of a message with samples.
 enum Content {
     Sample(Layout),
     Batch(Batch),
