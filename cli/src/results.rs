@@ -16,7 +16,7 @@ use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::use_cases::{Sampled, study_outcome};
-use sagnac::view::stack::Shown as Curves;
+use sagnac::view::Shown as Curves;
 use sagnac::view::{refused, shown as curves, written};
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::chart::{Chart, Source};

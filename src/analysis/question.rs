@@ -1,7 +1,7 @@
 //! A question of a study: the rows that answer it, its options and conditions, and the order of options from the best one on. The
 //! key of a column says whether its values are options, between which a designer chooses, or conditions, which are given.
 
-use crate::view::stack::CURVE;
+use crate::view::CURVE;
 use sagnac_base::diagnostics::listed;
 use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
 use sagnac_engine::chart::{Limit, Source};

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::view::stack::Shown;
+use crate::view::Shown;
 use sagnac_base::table::{Cell, Column, Role, Table, Unit, grouped};
 use sagnac_engine::chart::{self, Chart, Shows};
 use sagnac_engine::key::sweep::Scale;
