@@ -1,4 +1,4 @@
-//! The page of a log, with the sections that only some have.
+//! The page of a log, with the sections that only some have, and that of a curve that was read from a file.
 
 use rayon::prelude::*;
 
@@ -6,16 +6,21 @@ use crate::analysis::compare::answer::duration;
 use crate::analysis::compare::power_analysis::expected;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::dynamic::{self, Dynamic};
+use crate::analysis::given_curve;
 use crate::analysis::log::{Analysis as Noise, Column, events, figures, noise_file, report};
 use crate::analysis::page::record::{self, Source, by_name};
-use crate::analysis::page::{chart, grid, grid_where, minimum, range, shown, side_by_side, spectrum, texts};
-use crate::analysis::spectrum::{Analysis, NoSpectrum, report as of_spectra};
+use crate::analysis::page::{
+    chart, grid, grid_where, in_unit, interval, minimum, range, shown, side_by_side, texts,
+};
+use crate::analysis::spectrum::report::{method, symbol};
+use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, report as of_spectra};
 use crate::analysis::temperature::{self, Temperature};
-use sagnac_base::quantity::number::{significant, with_unit};
+use sagnac_base::quantity::number::{probability, significant, with_unit};
 use sagnac_base::table::titled;
 use sagnac_records::allan::{Deviation, Overdispersion, Unit};
 use sagnac_records::fit::{Fit, Terms, Verdict};
 use sagnac_records::record::log::Log;
+use sagnac_records::spectrum::{FALSE_ALARM, Line, Point};
 use sagnac_report::answer::Answer;
 use sagnac_report::chart::Picture;
 use sagnac_report::chart::figure::Figure;
@@ -49,7 +54,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
     let sections = [
         deviations(noise),
         coefficients(noise),
-        spectrum::section(analysis, without),
+        spectra(analysis, without),
         shown("What this record shows", &events::rows(noise)),
         record::section("Record", &sources, "columns", noise.treatment.lines(noise.length_s())),
     ];
@@ -250,4 +255,118 @@ pub fn of_dynamic(found: &Dynamic) -> Section {
     let maps = dynamic::report::figures(found).into_iter();
     let maps = maps.map(|(stem, map)| chart(&stem, Picture::Map(map)));
     Section::new("dynamic", "Over time", said.chain(maps))
+}
+
+/// The page of a curve from its fit and its answer.
+pub fn of_curve(analysis: &given_curve::Analysis, answer: Answer) -> Page {
+    let [coefficients, curve] = analysis.tables();
+    let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
+    let charts =
+        [Some(("chart", analysis.figure())), analysis.residuals().map(|figure| ("residuals", figure))];
+    let charts = charts.into_iter().flatten().map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
+    let omitted = ["column", "deviation", "unit", "treatment"];
+    let symbol = analysis.file.unit.symbol(analysis.file.deviation);
+    let title = format!("{}, with 95 % intervals", titled("Allan deviation", symbol));
+    let points = Block::More(title, grid(&curve.1, &omitted));
+    let names = texts(&coefficients.1, "coefficient");
+    let values =
+        grid_where(&coefficients.1, &["column", "intervals", "fit_from", "fit_to", "fitted"], |row| {
+            !names[row].starts_with(report::MINIMUM)
+        });
+    let fit = analysis.column.noise().map(|noise| {
+        let (fit, described) = (&noise.fit, if noise.fit.is_described() { "" } else { "; model rejected" });
+        let p = fit.p_value().map_or_else(String::new, |p| format!(", p = {}", significant(p, 2)));
+        let (chi_squared, freedom) = (significant(fit.chi_squared, 3), fit.degrees_of_freedom);
+        format!("{}, χ² = {chi_squared} of {freedom} degrees of freedom{p}{described}", range(fit))
+    });
+    let facts = [
+        ("Fit", fit),
+        ("Errors of the points", Some(analysis.file.errors.clone())),
+        ("Curve minimum", minimum(&analysis.column)),
+    ];
+    let facts = facts.into_iter().filter_map(|(name, text)| Some((name, vec![text?]))).collect();
+    Page {
+        title: format!("Noise of {file}"),
+        scope: String::new(),
+        subtitle: format!("Which noise does this curve show? {}", analysis.heading()),
+        answer,
+        notes: analysis.notes(),
+        sections: vec![
+            Section::new("deviations", "Deviations", charts.chain([points])),
+            Section::new("coefficients", "Coefficients", [Block::Grid(values), Block::Facts(facts)]),
+        ],
+        tables: vec![coefficients, curve],
+    }
+}
+
+/// Rows of a density per octave.
+const PER_OCTAVE: f64 = 2.0;
+
+/// Most lines in the small table; `lines.csv` has all.
+const MAX_LINES: usize = 20;
+
+/// The section on the spectra of a log.
+fn spectra(analysis: &Analysis, without: Option<&NoSpectrum>) -> Section {
+    let why = without
+        .map(|why| Block::Text(format!("There is no spectrum. {}", why.to_string().replace('\n', "; "))));
+    let charts = of_spectra::figures(analysis).into_iter().map(|(stem, mut figure)| {
+        // Under several columns, each frequency of all of them hides the others.
+        if figure.series.len() > 1 {
+            figure.laws.clear();
+        }
+        chart(&stem, Picture::Curves(figure))
+    });
+    let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
+    let method = by_name(methods).into_iter().map(Block::Note);
+    let white = of_spectra::white_noise(analysis);
+    let white = (white.rows() > 0).then(|| Block::Grid(grid(&white, &["n_verdict"])));
+    let blocks = why.into_iter().chain(charts).chain(method).chain(lines(analysis)).chain(white);
+    let means = analysis.columns().map(|column| means(analysis, column));
+    Section::new("spectrum", "Spectrum", blocks.chain(means))
+}
+
+/// The means of the density of a column beside the fitted model.
+fn means(analysis: &Analysis, (column, spectrum): (&Column, &Spectrum)) -> Block {
+    let row = |point: Point| {
+        let fit = spectrum.model_at(point.frequency_hz).map_or_else(String::new, |fit| significant(fit, 4));
+        let ends = point.interval.map_or_else(String::new, |ends| interval(ends.into()));
+        let [frequency, value] =
+            [(point.frequency_hz, 5), (point.value, 4)].map(|(x, digits)| significant(x, digits));
+        [frequency, value, ends, fit]
+    };
+    let ends = format!("{} interval", analysis.noise.percent());
+    let head = ["frequency, Hz", "density", &ends, "fit"];
+    let title = titled(&format!("{}: density, means over half an octave", column.name), symbol(column.unit));
+    Block::More(title, Grid::new(head, spectrum.means(PER_OCTAVE).into_iter().map(row)))
+}
+
+/// The highest lines of all columns.
+fn lines(analysis: &Analysis) -> Vec<Block> {
+    let percent = significant(100.0 * FALSE_ALARM, 2);
+    let mut all: Vec<(&Column, &Line)> = analysis
+        .columns()
+        .flat_map(|(column, spectrum)| spectrum.lines.iter().map(move |line| (column, line)))
+        .collect();
+    let count = all.len();
+    all.sort_by(|a, b| b.1.over_floor.total_cmp(&a.1.over_floor));
+    all.truncate(MAX_LINES);
+    let row = |(column, line): &(&Column, &Line)| {
+        let amplitude = in_unit(line.amplitude, column.unit.symbol(Deviation::Oadev));
+        let (frequency, over) = (significant(line.frequency_hz, 6), significant(line.over_floor, 3));
+        [column.name.clone(), frequency, amplitude, over, probability(line.p)]
+    };
+    let head = ["line in", "frequency, Hz", "amplitude", "over floor", "by noise alone"];
+    let said = match (count, analysis.spectra.len()) {
+        (_, 0) => return vec![],
+        (0, _) => {
+            return vec![Block::Text(format!(
+                "There is no line; noise alone shows one in {percent} % of records."
+            ))];
+        }
+        (count, _) if count > MAX_LINES => {
+            format!("These are the {MAX_LINES} highest of {count} lines; lines.csv has all.")
+        }
+        _ => format!("Noise alone shows a line in {percent} % of records."),
+    };
+    vec![Block::Text(said), Block::Grid(Grid::new(head, all.iter().map(row)))]
 }
