@@ -16,7 +16,6 @@ mod jackknife;
 pub mod log;
 pub mod model;
 pub mod navigators;
-pub(crate) mod noise_of_record;
 pub mod page;
 pub(crate) mod question;
 pub mod requirement;

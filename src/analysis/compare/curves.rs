@@ -7,7 +7,7 @@ use crate::analysis::compare::equality_test::{Fits, by_least_p};
 use crate::analysis::compare::stated::Stated;
 use crate::analysis::compare::{Common, Comparison, NEAREST, Ratio, points};
 use crate::analysis::given_curve;
-use crate::analysis::noise_of_record::Noise;
+use crate::analysis::data_sheet::Noise;
 use sagnac_records::allan::{Angles, Deviation, Point};
 use sagnac_records::events::Events;
 use sagnac_records::fit::{Fit, FitError, Fitting, Terms, fit_record};

@@ -2,7 +2,7 @@
 
 use crate::analysis::compare::estimate::{Estimate, Two};
 use crate::analysis::compare::{Length, NEAREST, Ratio, power_analysis};
-use crate::analysis::noise_of_record::Noise;
+use crate::analysis::data_sheet::Noise;
 use sagnac_records::allan::Point;
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::uncertainty::WITHIN_95;
