@@ -5,7 +5,7 @@ use rand::rngs::StdRng;
 use rayon::prelude::*;
 use sagnac::allan::angles::{Angles, Trend};
 use sagnac::analysis::compare::equality_test::{Difference, SIGNIFICANT};
-use sagnac::analysis::compare::power_analysis::Length;
+use sagnac::analysis::compare::equality_test::Length;
 use sagnac::analysis::compare::{Comparison, compare};
 use sagnac::events::Events;
 use sagnac::fit::Quantity;

@@ -2,16 +2,23 @@
 //!
 //! A curve has no samples. Its coefficients and their errors are those of the fit to its points, and the degrees of freedom of a point
 //! follow from its error. What needs the noise between the points, the χ² of all ratios and the length of records, is left out.
+//!
+//! Stated coefficients, such as those of a data sheet, are those of a noise file.
+
+use std::path::{Path, PathBuf};
 
 use crate::analysis::compare::equality_test::{Fits, by_least_p};
-use crate::analysis::compare::stated::Stated;
 use crate::analysis::compare::{Common, Comparison, NEAREST, Ratio, points};
-use crate::analysis::given_curve;
 use crate::analysis::data_sheet::Noise;
+use crate::analysis::given_curve;
+use crate::analysis::log::noise_file::{Intervals, intervals_of, parts_of};
+use sagnac_base::diagnostics::StudyError;
+use sagnac_engine::noise;
 use sagnac_records::allan::{Angles, Deviation, Point};
 use sagnac_records::events::Events;
-use sagnac_records::fit::{Fit, FitError, Fitting, Terms, fit_record};
-use sagnac_theory::allan::Term;
+use sagnac_records::fit::uncertainty::{Evidence, Variance, WITHIN_95};
+use sagnac_records::fit::{Coefficient, Fit, FitError, Fitting, Shape, Terms, Verdict, fit_record};
+use sagnac_theory::allan::{Part, Process, Term, continuous_variance};
 
 /// A side of a comparison.
 #[derive(Clone, Copy)]
@@ -210,4 +217,97 @@ fn fits([a, b]: [Side; 2], asked: &Fitting) -> Result<Fits, FitError> {
         own.each_ref().map(|one| terms.iter().copied().filter(|term| explains(one, *term)).collect());
     let events = own.map(|one| one.noise.map_or(vec![], |noise| noise.shown));
     Ok(Fits { fits, curves: None, terms, shown, explained, events, described })
+}
+
+/// Standard error of a coefficient that is stated without an interval, in parts of it: it counts as exact.
+const EXACT: f64 = 1e-6;
+
+/// The coefficients of a noise file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stated {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// The noise, one part for each term.
+    parts: Vec<Part>,
+    intervals: Intervals,
+}
+
+impl Stated {
+    /// Reads a noise.toml with its intervals, if `sagnac allan` wrote it.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no noise.
+    pub fn read(path: &Path) -> Result<Stated, StudyError> {
+        let (noise, text) = noise::Noise::read(path)?;
+        Ok(Stated::new(&noise, &text, path))
+    }
+
+    /// Reads the text of a noise.toml, which is called `name`.
+    ///
+    /// # Errors
+    /// The text is no noise.
+    pub fn parse(name: &str, text: &str) -> Result<Stated, StudyError> {
+        Ok(Stated::new(&noise::Noise::parse(name, text)?, text, Path::new(name)))
+    }
+
+    fn new(noise: &noise::Noise, text: &str, path: &Path) -> Stated {
+        let mut parts: Vec<Part> = Vec::new();
+        for part in parts_of(noise).into_iter().filter(|part| continuous_variance(part, 1.0).is_some()) {
+            match parts.iter_mut().find(|other| other.term == part.term) {
+                Some(other) => other.size = libm::hypot(other.size, part.size),
+                None => parts.push(Part { size: libm::fabs(part.size), ..part }),
+            }
+        }
+        Stated { path: path.to_owned(), parts, intervals: intervals_of(text) }
+    }
+
+    /// The coefficients as a fit over this range of τ would give them, s.
+    fn fit(&self, tau_range: [f64; 2]) -> Fit {
+        Fit {
+            coefficients: self.parts.iter().map(|part| self.coefficient(part)).collect(),
+            process: Process { sample_s: tau_range[0], parts: self.parts.clone() },
+            chi_squared: 0.0,
+            degrees_of_freedom: 0,
+            tau_range,
+        }
+    }
+
+    fn coefficient(&self, part: &Part) -> Coefficient {
+        let known = self.intervals.known.iter().find(|(term, _)| *term == part.term);
+        let ends = known.map(|(_, ends)| *ends).filter(|[low, high]| 0.0 < *low && low < high);
+        let error = ends.map_or(EXACT, |[low, high]| 0.5 * libm::log(high / low) / WITHIN_95);
+        let (value, square) = (libm::sqrt(part.square()), part.square());
+        let shape = part.term.has_shape().then_some(Shape {
+            value: part.shape,
+            standard_error: EXACT * part.shape,
+            interval: [part.shape; 2],
+        });
+        Coefficient {
+            term: part.term,
+            value: Some(value),
+            standard_error: Some(error * value),
+            interval: Some(ends.unwrap_or([value; 2])),
+            shape,
+            verdict: Verdict::Identified,
+            // The error of a square is twice that of its root, and grows with it.
+            evidence: Some(Evidence::new(square, Variance([0.0, 0.0, 4.0 * error * error]))),
+        }
+    }
+
+    /// The symbols of the coefficients.
+    pub(crate) fn symbols(&self) -> Vec<&'static str> {
+        self.parts.iter().map(|part| part.term.symbol()).collect()
+    }
+
+    /// The errors of the coefficients, and the coefficients that the record did not identify.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let is_exact = |part: &&Part| self.intervals.known.iter().all(|(term, _)| *term != part.term);
+        let exact: Vec<&str> = self.parts.iter().filter(is_exact).map(|part| part.term.symbol()).collect();
+        let of_exact = (!exact.is_empty())
+            .then(|| format!("{} are stated without intervals and taken as exact", exact.join(", ")));
+        let unknown = &self.intervals.unknown;
+        let of_unknown = (!unknown.is_empty())
+            .then(|| format!("{} were not identified and are not compared", unknown.join(", ")));
+        of_exact.into_iter().chain(of_unknown).collect()
+    }
 }

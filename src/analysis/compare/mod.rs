@@ -46,15 +46,11 @@ pub(crate) mod curves;
 pub mod equality_test;
 pub(crate) mod estimate;
 pub mod logs;
-pub mod power_analysis;
 pub mod report;
-mod stated;
 
-pub use crate::analysis::compare::equality_test::Same;
-pub use crate::analysis::compare::equality_test::{Difference, MIN_P, SIGNIFICANT};
+pub use crate::analysis::compare::curves::Stated;
+pub use crate::analysis::compare::equality_test::{Difference, Length, MIN_P, SIGNIFICANT, Same};
 pub use crate::analysis::compare::estimate::{Common, NEAREST, Ratio};
-pub use crate::analysis::compare::power_analysis::Length;
-pub use crate::analysis::compare::stated::Stated;
 
 use crate::analysis::compare::equality_test::Fits;
 use crate::analysis::log::model;

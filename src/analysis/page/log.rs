@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::analysis::compare::answer::duration;
-use crate::analysis::compare::power_analysis::expected;
+use crate::analysis::compare::equality_test::expected;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::dynamic::{self, Dynamic};
 use crate::analysis::given_curve;

@@ -1,7 +1,7 @@
 //! Checks of limits: what a record shows, the status of each limit, and what would meet it.
 
 use crate::analysis::compare::answer::duration;
-use crate::analysis::compare::power_analysis::expected;
+use crate::analysis::compare::equality_test::expected;
 use crate::analysis::data_sheet::{DataSheet, Row};
 use crate::analysis::log::report::{in_run_bias_stability, text};
 use crate::analysis::log::{self, Column, Curve};
