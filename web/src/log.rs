@@ -10,7 +10,7 @@ use sagnac::analysis::log::{NoiseRequest, Treatment};
 use sagnac::analysis::model::writers::WRITERS;
 use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
 use sagnac::analysis::navigators::NavigatorRequest;
-use sagnac::analysis::temperature::regressors::Effects;
+use sagnac::analysis::temperature::Effects;
 use sagnac::fit::selection::{Fitting, Terms};
 use sagnac::record::binary::Binary;
 use sagnac::record::curve_file::{CurveFile, CurveRequest};

@@ -1,7 +1,7 @@
 //! The search among choices of effects.
 
-use crate::analysis::temperature::regressors::{Effect, Finding, Model};
 use crate::analysis::temperature::smoothing::Averages;
+use crate::analysis::temperature::{Effect, Finding, Model};
 use sagnac_base::diagnostics::listed;
 use sagnac_records::fit::regression::{Blocks, Posterior, Regression};
 use sagnac_records::fit::selection::{PENALTY, PENALTY_OF_SHAPE, RIVAL};

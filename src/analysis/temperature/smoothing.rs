@@ -1,6 +1,6 @@
 //! The smoothed temperature of a log with its slope, and averages of the rate beside it.
 
-use crate::analysis::temperature::regressors::Effect;
+use crate::analysis::temperature::Effect;
 
 /// Allowed distance of the smoothed temperature from the measured one, in errors of the sensor.
 const TOLERANCE: f64 = 1.05;
