@@ -1,7 +1,7 @@
 //! The report of a noise model: answer and charts.
 
 use crate::analysis::log::figures::of_columns;
-use crate::analysis::model::state_space::si;
+use crate::analysis::model::si;
 use crate::analysis::model::tables::lines;
 use crate::analysis::model::target::{MAX_TAU_PART, NEAR, Target, White};
 use crate::analysis::model::{Aim, Analysis, Column, tables};

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::analysis::log::report::{key, text};
 use crate::analysis::model::search::Tried;
-use crate::analysis::model::state_space::{Discrete, discrete, si};
 use crate::analysis::model::target::Point;
 use crate::analysis::model::{Aim, Analysis, Column, Markov, ModelError};
+use crate::analysis::model::{Discrete, discrete, si};
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 use sagnac_records::allan::{self, Deviation, Unit as Curves};

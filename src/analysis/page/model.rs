@@ -1,8 +1,8 @@
 //! The page of a model for a filter.
 
 use crate::analysis::log::events;
+use crate::analysis::model::discrete;
 use crate::analysis::model::report::notes;
-use crate::analysis::model::state_space::discrete;
 use crate::analysis::model::target::Target;
 use crate::analysis::model::{Analysis, Column, report, tables};
 use crate::analysis::page::{chart, grid_where, shown, texts};

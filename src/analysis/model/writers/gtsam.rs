@@ -1,6 +1,6 @@
 //! Covariances of gtsam's `PreintegrationCombinedParams`, for C++ and for Python.
 
-use crate::analysis::model::state_space::si;
+use crate::analysis::model::si;
 use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, list, three};
 use sagnac_records::allan::Unit;
 

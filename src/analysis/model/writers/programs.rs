@@ -1,7 +1,7 @@
 //! The whole model for programs of your own: a C header, MATLAB and JSON.
 
 use crate::analysis::model::search::MAX_STATES;
-use crate::analysis::model::state_space::si;
+use crate::analysis::model::si;
 use crate::analysis::model::tables::{ColumnModel, Models};
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, number, plain_number, three};
 use sagnac_records::allan::Unit;

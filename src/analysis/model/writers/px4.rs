@@ -5,7 +5,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::analysis::model::state_space::si;
+use crate::analysis::model::si;
 use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, largest};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;

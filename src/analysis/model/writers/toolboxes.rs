@@ -1,6 +1,6 @@
 //! Error models of inertial navigation toolboxes: KF-GINS, NaveGo, PSINS and pyins.
 
-use crate::analysis::model::state_space::si;
+use crate::analysis::model::si;
 use crate::analysis::model::writers::{
     Axis, Takes, Writer, list, number, plain_number, sigma, three, time_s,
 };

@@ -1,6 +1,6 @@
 //! YAML files of visual-inertial tools, which have the keys of Kalibr.
 
-use crate::analysis::model::state_space::si;
+use crate::analysis::model::si;
 use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, largest, number, plain_number};
 use sagnac_base::diagnostics::listed;
 use sagnac_records::allan::Unit;
