@@ -4,11 +4,9 @@
 //! model between the two times. Its deviation at τ = 1 s stays within 1 %, because white noise is known best; what grows is the random walk, or the
 //! single Markov state.
 
-mod gtsam;
+mod estimators;
 mod programs;
-mod px4;
 mod toolboxes;
-mod yaml;
 
 use crate::analysis::log::report::one_line;
 use crate::analysis::model::search::{Allowed, MAX_STATES, PER_DECADE, Problem, times};
@@ -50,17 +48,17 @@ impl Takes {
 
 /// Every writer, in the order of lists.
 pub static WRITERS: [&Writer; 13] = [
-    &yaml::KALIBR,
-    &yaml::ALLAN_VARIANCE_ROS,
-    &yaml::OPENVINS,
+    &estimators::KALIBR,
+    &estimators::ALLAN_VARIANCE_ROS,
+    &estimators::OPENVINS,
     &programs::MATLAB,
     &toolboxes::NAVEGO,
     &toolboxes::PSINS,
-    &gtsam::CPP,
-    &gtsam::PYTHON,
+    &estimators::GTSAM_CPP,
+    &estimators::GTSAM_PYTHON,
     &toolboxes::PYINS,
     &toolboxes::KF_GINS,
-    &px4::PX4,
+    &estimators::PX4,
     &programs::C_HEADER,
     &programs::JSON,
 ];
