@@ -12,7 +12,6 @@ pub mod dynamic;
 pub mod firmware;
 pub mod given_curve;
 pub mod hat;
-mod jackknife;
 pub mod log;
 pub mod model;
 pub mod navigators;

@@ -1,9 +1,9 @@
 //! The candidates of a design, the constraints that they have to meet, their runs and the estimate by which they are compared.
 
+use crate::analysis::design::optimum::halves;
 use crate::analysis::design::result::{self, Found, Tried};
 use crate::analysis::design::{self, DesignError, PapersRule, optimum};
 use crate::analysis::firmware::fixed_point_filter::Memory;
-use crate::analysis::jackknife::halves;
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_engine::filler::{Fill, Filler, latency_ticks};

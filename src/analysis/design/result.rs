@@ -2,8 +2,8 @@
 
 use crate::analysis::decision::{DecisionError, Sheet, decide_at, short};
 use crate::analysis::design::candidates::{Constraints, Cost, keep};
+use crate::analysis::design::optimum::{T_95, of_halves};
 use crate::analysis::design::{Measure, PapersRule};
-use crate::analysis::jackknife::{T_95, of_halves};
 use sagnac_base::quantity::{Dimension, Quantity};
 use sagnac_base::table::{Column, Unit};
 use sagnac_engine::drift::INTERVAL;

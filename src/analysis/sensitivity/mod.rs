@@ -46,7 +46,7 @@ pub mod report;
 pub(crate) mod sobol;
 
 use crate::analysis::design::Found;
-use crate::analysis::jackknife::PARTS;
+use crate::analysis::design::optimum::PARTS;
 use crate::analysis::page;
 use crate::analysis::sensitivity::evaluate::{Evaluations, chosen};
 use crate::analysis::sensitivity::report::{Swings, count, joined, points_of_swings};

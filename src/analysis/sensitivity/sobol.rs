@@ -7,7 +7,7 @@
 //! [`PARTS`] parts of the samples, each has a scramble of its own, so that leaving out each in turn gives intervals.
 
 use crate::analysis::design::Found;
-use crate::analysis::jackknife::{PARTS, T_95, jackknife};
+use crate::analysis::design::optimum::{PARTS, T_95, jackknife};
 
 /// Most samples of a part, which the sequence has.
 pub(crate) const MAX_OF_PART: u64 = 1 << 16;
