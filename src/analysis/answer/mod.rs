@@ -3,7 +3,6 @@
 //! The rows of the table are the options between which a designer chooses, its columns the conditions. Which of them a column
 //! of the study is, its key says.
 
-mod features;
 mod limits;
 mod options;
 
@@ -346,14 +345,14 @@ impl<'t> Question<'t> {
         }
         let is_error = less_is_better(self.table, self.y, &self.rows);
         Some(match (self.x, self.limit) {
-            (Some(x), _) if self.y.role == Role::Fraction => features::outline_of_detection(self, x),
+            (Some(x), _) if self.y.role == Role::Fraction => options::outline_of_detection(self, x),
             (Some(x), Some(limit)) => limits::outline(self, x, limit),
             (Some(x), None) if is_error && x.usual == Some(Usual::Abscissa) => {
-                features::outline_of_minimum(self, x)
+                options::outline_of_minimum(self, x)
             }
             (Some(x), None) if is_error && !is_given(x) => options::outline_of_optimum(self, x),
             (Some(x), None) if study.kind().is_exact => {
-                features::outline_of_peaks(self, x).unwrap_or_else(|| options::outline_of_values(self))
+                options::outline_of_peaks(self, x).unwrap_or_else(|| options::outline_of_values(self))
             }
             _ => options::outline_of_values(self),
         })
