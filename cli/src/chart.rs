@@ -15,12 +15,12 @@ use toml::{Table, Value};
 
 use crate::arg_parsers::on;
 use crate::failure::Failure;
+use crate::look;
 use crate::output::write_pictures;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
-use crate::results::{held, is_chart_stem, summary};
+use crate::results::{self, held, is_chart_stem, summary};
 use crate::run::checked;
-use crate::{folders, look};
 
 /// A chart of the study with other keys.
 #[derive(Debug, Args)]
@@ -130,7 +130,7 @@ pub fn redraw(
 ) -> Result<(), Failure> {
     let path = folder.join(RESOLVED);
     // Parsed as a study, so that errors in the file itself are reported as usual.
-    let written = folders::study(folder)?;
+    let written = results::study(folder)?;
     let Redraw { name, plot, .. } = asked;
     let asked = changed(&written, asked)?;
     let study = Study::parse(&format!("{} with the requested chart", path.display()), &asked)?;

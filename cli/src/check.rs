@@ -9,9 +9,9 @@ use sagnac::store::error::StoreError;
 use sagnac::store::folder::Folder;
 
 use crate::failure::{self, Failure};
-use crate::folders;
 use crate::output::print;
 use crate::progress::{How, Shown};
+use crate::results;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,13 +75,13 @@ pub fn check(options: &Options) -> Result<(), Failure> {
 
 /// Enters the files of results into the list of their folder.
 fn adopt(folder: &Path, quiet: bool) -> Result<(), Failure> {
-    if !folder.join(DATABASE).is_file() && !folders::is_carded(folder) {
+    if !folder.join(DATABASE).is_file() && !results::is_carded(folder) {
         let shown = folder.display();
         return Err(Failure::Usage(format!(
             "{shown} holds no results\ngive a folder that sagnac wrote results to"
         )));
     }
-    let adopted = Folder::open(folder)?.adopt(folders::is_ours)?;
+    let adopted = Folder::open(folder)?.adopt(results::is_ours)?;
     let names = if adopted.is_empty() { "nothing".to_owned() } else { adopted.join(", ") };
     if quiet { Ok(()) } else { print(&format!("{}: took over {names}", folder.display())) }
 }
@@ -132,15 +132,15 @@ fn files(folder: &Path, command: &str, quiet: bool) -> Result<State, Failure> {
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     if folder.is_file() {
         // Reports whether it is a results folder.
-        folders::study(folder)?;
+        results::study(folder)?;
     }
-    let is_other = !folders::is_study(folder) && !folder.join(DATABASE).is_file();
-    if let Some(command) = folders::writer(folder).filter(|_| is_other) {
+    let is_other = !results::is_study(folder) && !folder.join(DATABASE).is_file();
+    if let Some(command) = results::writer(folder).filter(|_| is_other) {
         return files(folder, command, quiet);
     }
     let progress = Shown::new(if quiet { How::None } else { How::Auto });
     let found = find(&CheckRequest { folder: folder.to_owned() }, &progress);
-    let found = found.map_err(|error| match (error, folders::several(folder)) {
+    let found = found.map_err(|error| match (error, results::several(folder)) {
         (CheckError::Store(StoreError::NoResults(_)), Some(message)) => Failure::Usage(message),
         (CheckError::Study(error), _) => error.into(),
         (CheckError::Store(error), _) => error.into(),

@@ -27,7 +27,6 @@ mod device;
 mod explain;
 mod failure;
 mod filler;
-mod folders;
 mod generate;
 mod given;
 mod look;

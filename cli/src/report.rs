@@ -17,10 +17,9 @@ use sagnac_base::text_file::read_bytes;
 
 use crate::chart::{Redraw, redraw};
 use crate::failure::{Failure, in_options};
-use crate::folders::{self, left_out};
 use crate::output::unwritten;
 use crate::progress::{self, Shown};
-use crate::results::held;
+use crate::results::{self, held, left_out};
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
@@ -113,7 +112,7 @@ fn write_gallery(
         .into_iter()
         .map(|(report, card)| Card { report: link(&here, &absolute(&report)), ..card })
         .collect();
-    let all_studies = folders.iter().all(|folder| folders::is_study(folder));
+    let all_studies = folders.iter().all(|folder| results::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
     write_marked(&path, &MARKS, gallery(&cards, called).as_bytes())?;
     if !options.quiet {
@@ -125,7 +124,7 @@ fn write_gallery(
 
 /// The card of results for a gallery, without the link. The page of a study is rebuilt.
 fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
-    let card = if folders::is_study(folder) { rebuilt(folder, options)? } else { kept(folder)? };
+    let card = if results::is_study(folder) { rebuilt(folder, options)? } else { kept(folder)? };
     Ok(Card { folder: folder.display().to_string(), ..card })
 }
 
@@ -157,7 +156,7 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
 /// The card that another command than `run` has written beside its page.
 fn kept(folder: &Path) -> Result<Card, Failure> {
     let again = |path: PathBuf, why: &str| {
-        let command = folders::writer(folder).unwrap_or("allan");
+        let command = results::writer(folder).unwrap_or("allan");
         let message = format!("{} {why}\nrun `sagnac {command}` again to write it anew", path.display());
         Failure::Usage(message)
     };
@@ -178,7 +177,7 @@ fn kept(folder: &Path) -> Result<Card, Failure> {
 fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut results: Vec<PathBuf> = Vec::new();
     for folder in named {
-        if folders::is_study(folder) || folders::is_carded(folder) {
+        if results::is_study(folder) || results::is_carded(folder) {
             results.push(folder.clone());
             continue;
         }
@@ -189,12 +188,12 @@ fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         let failed = |error: std::io::Error| {
             Failure::Usage(format!("cannot read {}: {error}\ngive folders of results", folder.display()))
         };
-        let found = folders::results_within(folder).map_err(failed)?;
+        let found = results::results_within(folder).map_err(failed)?;
         let found: Vec<PathBuf> =
             found.into_iter().filter(|(_, lacks)| lacks.is_none()).map(|(path, _)| path).collect();
         if found.is_empty() {
             let shown = folder.display();
-            return Err(Failure::Usage(match folders::writer(folder) {
+            return Err(Failure::Usage(match results::writer(folder) {
                 Some(command) => format!(
                     "{shown} holds output of `sagnac {command}` of an earlier version, without {CARD}\nrun the command again"
                 ),
@@ -214,7 +213,7 @@ fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 /// The folder of a gallery: the one that contains all those of results, as they are `named`; the present one where only the
 /// root of the file system does.
 fn beside(named: &[PathBuf]) -> PathBuf {
-    let holder = |folder: &PathBuf| match folders::is_study(folder) || folders::is_carded(folder) {
+    let holder = |folder: &PathBuf| match results::is_study(folder) || results::is_carded(folder) {
         true if folder.file_name().is_some() => folder.parent().unwrap_or(Path::new("")).to_owned(),
         true => folder.join(".."),
         false => folder.clone(),
