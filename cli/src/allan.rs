@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::arg_parsers::{self, one_of};
 use crate::failure::Failure;
-use crate::given::Given;
 use crate::output::{Output, print_documents, save, write_new};
+use crate::reading::Given;
 use crate::reading::{Reading, seconds};
 use clap::Args;
 use clap::builder::TypedValueParser;

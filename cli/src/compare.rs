@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
-use crate::given::Given;
 use crate::output::{Output, print_documents};
+use crate::reading::Given;
 use crate::reading::Reading;
 use clap::Args;
 use sagnac::analysis::compare::Stated;

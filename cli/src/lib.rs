@@ -28,7 +28,6 @@ mod explain;
 mod failure;
 mod filler;
 mod generate;
-mod given;
 mod look;
 mod merge;
 mod model;

@@ -13,8 +13,8 @@ use sagnac_base::quantity::{Dimension, parse};
 use crate::allan::probability;
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
-use crate::given::Given;
 use crate::output::{Output, print_documents};
+use crate::reading::Given;
 use crate::reading::{Reading, seconds};
 
 const EXAMPLES: &str = "\
