@@ -18,7 +18,7 @@ use sagnac_base::diagnostics::{StudyError, spelled};
 
 use crate::look;
 use crate::output::say;
-use crate::run::control::Cause;
+use crate::run::Cause;
 use sagnac_base::quantity::number::short;
 
 /// Exit codes with their meanings.
