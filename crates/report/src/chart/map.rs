@@ -5,7 +5,6 @@
 //! [`winners`] finds the series with the least value in each cell. `Words` is the text of the legend, which pictures and pages
 //! share.
 
-pub(crate) mod contour;
 pub(crate) mod svg;
 
 use serde::Serialize;
