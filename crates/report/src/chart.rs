@@ -21,7 +21,6 @@ pub mod figure;
 pub(crate) mod layout;
 pub(crate) mod legend;
 pub mod map;
-pub(crate) mod overlap;
 pub mod palette;
 pub(crate) mod plot;
 #[cfg(feature = "png")]

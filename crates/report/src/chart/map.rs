@@ -9,8 +9,7 @@ pub(crate) mod svg;
 
 use serde::Serialize;
 
-use crate::chart::figure::{Axis, Entry, Grouping, Limit};
-use crate::chart::overlap::{merge_entries, names_of, near};
+use crate::chart::figure::{Axis, Entry, Grouping, Limit, merge_entries, names_of, near};
 
 /// A map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
