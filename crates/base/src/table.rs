@@ -2,7 +2,6 @@
 //!
 //! [`windows`] finds where a curve crosses a limit between two rows.
 
-pub mod cells;
 pub mod column;
 #[cfg(test)]
 mod tests;
@@ -17,8 +16,7 @@ use serde::Serialize;
 use crate::quantity::number::{joined, significant};
 use crate::quantity::{Dimension, Quantity};
 pub use crate::quantity::{Unit, Written};
-pub use crate::table::cells::Cells;
-pub use crate::table::column::{About, ColumnOf, Role, Usual};
+pub use crate::table::column::{About, Cells, ColumnOf, Role, Usual};
 
 /// One quantity over all rows.
 #[derive(Debug, Clone, PartialEq, Default)]
