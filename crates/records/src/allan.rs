@@ -15,7 +15,6 @@ pub mod deviation;
 pub mod distributions;
 pub(crate) mod edf;
 pub mod hat;
-mod mtie;
 pub mod noise;
 pub mod sums;
 #[cfg(test)]

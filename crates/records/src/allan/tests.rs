@@ -191,7 +191,7 @@ fn phase_dat_has_stable32s_total_deviations_theo1_and_mtie() {
         (255, 746, 7.8205),
         (511, 490, 7.8205),
     ] {
-        let sum = mtie::mtie(recorded, &[m])[0];
+        let sum = sums::mtie(recorded, &[m])[0];
         assert_eq!(sum.terms, terms);
         assert!(near(libm::sqrt(sum.squares), expected, 1e-4), "m = {m}: {}", libm::sqrt(sum.squares));
     }
