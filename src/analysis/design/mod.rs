@@ -44,7 +44,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod answer;
 pub(crate) mod candidates;
 pub mod filler_search;
 pub(crate) mod optimum;
