@@ -6,7 +6,6 @@
 
 mod estimators;
 mod programs;
-mod toolboxes;
 
 use crate::analysis::log::report::one_line;
 use crate::analysis::model::search::{Allowed, MAX_STATES, PER_DECADE, Problem, times};
@@ -52,12 +51,12 @@ pub static WRITERS: [&Writer; 13] = [
     &estimators::ALLAN_VARIANCE_ROS,
     &estimators::OPENVINS,
     &programs::MATLAB,
-    &toolboxes::NAVEGO,
-    &toolboxes::PSINS,
+    &programs::NAVEGO,
+    &programs::PSINS,
     &estimators::GTSAM_CPP,
     &estimators::GTSAM_PYTHON,
-    &toolboxes::PYINS,
-    &toolboxes::KF_GINS,
+    &programs::PYINS,
+    &programs::KF_GINS,
     &estimators::PX4,
     &programs::C_HEADER,
     &programs::JSON,
