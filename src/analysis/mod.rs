@@ -1,7 +1,6 @@
 //! Analyses beyond studies: noise of logs, over time and with temperature, requirements on it, spectra of logs, comparison of logs,
 //! batches of units, models for filters, pages of logs, switching interval, firmware, sensitivity.
 
-mod agreement;
 pub mod answer;
 pub mod batch;
 pub mod compare;

@@ -6,8 +6,8 @@
 mod limits;
 mod options;
 
-use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
+use crate::analysis::page;
 use crate::analysis::question::{Bandless, Question, apart, is_given, less_is_better, usual_filter};
 use crate::view::Shown;
 use crate::view::from_table::axis_unit;
@@ -150,7 +150,7 @@ pub(crate) fn of_study(
         limit,
         table: outline.table.without_blanks(),
         facts: vec![],
-        checks: agreement::check(&tables.points).into_iter().collect(),
+        checks: page::agreement(&tables.points).into_iter().collect(),
     };
     Ok(Answer { facts: facts(study, tables, decided, &answer), ..answer })
 }

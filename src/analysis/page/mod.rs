@@ -26,7 +26,7 @@ pub use crate::analysis::page::design::of_filler;
 pub use crate::analysis::page::design::of_sensitivity;
 pub use crate::analysis::page::log::{of_curve, of_dynamic, of_log, of_navigators, of_temperature};
 pub use crate::analysis::page::model::of_model;
-pub(crate) use crate::analysis::page::study::Results;
+pub(crate) use crate::analysis::page::study::{Results, agreement};
 
 use crate::analysis::log::{Column, events};
 use crate::view::Drawn;
