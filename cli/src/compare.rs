@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 use crate::output::{Output, print_documents};
-use crate::reading::Given;
-use crate::reading::Reading;
+use crate::reading::{Given, Reading};
 use clap::Args;
 use sagnac::analysis::compare::Stated;
 use sagnac::analysis::compare::logs::{Compared, RatioLimit};

@@ -14,8 +14,7 @@ use crate::allan::probability;
 use crate::arg_parsers::one_of;
 use crate::failure::Failure;
 use crate::output::{Output, print_documents};
-use crate::reading::Given;
-use crate::reading::{Reading, seconds};
+use crate::reading::{Given, Reading, seconds};
 
 const EXAMPLES: &str = "\
 Examples:

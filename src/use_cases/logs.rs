@@ -32,8 +32,7 @@ use crate::analysis::page::{
 };
 use crate::analysis::requirement::{Limit, LimitError, applies, check};
 use crate::analysis::spectrum::{self, NoSpectrum, densities};
-use crate::analysis::temperature::Effects;
-use crate::analysis::temperature::{self, Temperature};
+use crate::analysis::temperature::{self, Effects, Temperature};
 use crate::use_cases::Outcome;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_records::allan::{TauError, Taus, Trend};

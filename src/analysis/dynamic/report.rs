@@ -1,8 +1,9 @@
 //! The report of the noise over time: tables, charts and notes.
 
 use crate::analysis::compare::answer::duration;
-use crate::analysis::dynamic::{Column, Dynamic, Window};
-use crate::analysis::dynamic::{FALSE_ALARM, MIN_PART, MIN_PARTS, Octave, PARTS, clearest};
+use crate::analysis::dynamic::{
+    Column, Dynamic, FALSE_ALARM, MIN_PART, MIN_PARTS, Octave, PARTS, Window, clearest,
+};
 use crate::analysis::log::report::{key, text};
 use sagnac_base::quantity::number::{probability, significant, with_unit};
 use sagnac_base::table::column::columns_of;

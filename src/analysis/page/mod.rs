@@ -21,9 +21,7 @@ mod record;
 mod study;
 
 pub use crate::analysis::page::comparison::{of_batch, of_comparison, of_hat};
-pub use crate::analysis::page::design::of_design;
-pub use crate::analysis::page::design::of_filler;
-pub use crate::analysis::page::design::of_sensitivity;
+pub use crate::analysis::page::design::{of_design, of_filler, of_sensitivity};
 pub use crate::analysis::page::log::{of_curve, of_dynamic, of_log, of_navigators, of_temperature};
 pub use crate::analysis::page::model::of_model;
 pub(crate) use crate::analysis::page::study::{Results, agreement};

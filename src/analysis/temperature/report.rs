@@ -3,8 +3,7 @@
 use crate::analysis::log::figures::{of_columns, per_unit};
 use crate::analysis::log::report::{heading, key, text};
 use crate::analysis::log::{self, Analysis};
-use crate::analysis::temperature::{Column, Dependence, Temperature};
-use crate::analysis::temperature::{Effect, Finding};
+use crate::analysis::temperature::{Column, Dependence, Effect, Finding, Temperature};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{ColumnOf, Role, Table, Unit};

@@ -16,8 +16,7 @@ use crate::study::Study;
 use crate::tally::{Block, Id, Share, base_log2, row_log2};
 use sagnac_base::diagnostics::StudyError;
 use sagnac_base::progress::Progress;
-use sagnac_base::table::column::Growing;
-use sagnac_base::table::column::columns_of;
+use sagnac_base::table::column::{Growing, columns_of};
 use sagnac_base::table::{Cells, Column, ColumnOf, Role, Table};
 use sagnac_kernel::curve::Recorded;
 
