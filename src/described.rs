@@ -63,7 +63,7 @@ pub fn files() -> Vec<File> {
                 abouts(&sensitivity::report::distribution_columns()),
             ),
             command("events.csv", "sagnac allan", abouts(&log::events::columns())),
-            command("records.csv", "sagnac allan", abouts(&log::records::columns())),
+            command("records.csv", "sagnac allan", abouts(&log::report::record_columns())),
             command("limits.csv", "sagnac allan", abouts(&requirement::columns())),
             command("navigation.csv", "sagnac allan", abouts(&navigators::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::report::curve_columns())),

@@ -6,10 +6,9 @@ use crate::analysis::batch::random_effects::Pooled;
 use crate::analysis::batch::{Batch, Coefficient, Found, Outlier};
 use crate::analysis::compare::answer::duration;
 use crate::analysis::compare::report::of_ratios;
+use crate::analysis::log;
 use crate::analysis::log::figures::points;
-use crate::analysis::log::records::Record;
-use crate::analysis::log::report::text;
-use crate::analysis::log::{self, records};
+use crate::analysis::log::report::{Record, text};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use sagnac_base::diagnostics::listed;
 use sagnac_base::quantity::number::{probability, significant};
@@ -307,7 +306,7 @@ pub fn batch(batch: &Batch) -> Table {
 /// The records of all units: `records.csv`.
 pub fn records(batch: &Batch) -> Table {
     let units = batch.units().zip(&batch.labels);
-    records::table(units.map(|((log, column), label)| Record::new(log, column, label)))
+    log::report::records(units.map(|((log, column), label)| Record::new(log, column, label)))
 }
 
 /// Distance of neighbouring coefficients of a unit, where units are 1 apart, and the most that all of them take.

@@ -5,9 +5,8 @@ use crate::analysis::compare::logs::{Analysis, Row, Verdict};
 use crate::analysis::compare::{Length, Ratio};
 use crate::analysis::given_curve;
 use crate::analysis::log::figures::{along, line, points};
-use crate::analysis::log::records::Record;
-use crate::analysis::log::report::text;
-use crate::analysis::log::{figures, records};
+use crate::analysis::log::report::{Record, text};
+use crate::analysis::log::{self, figures};
 use sagnac_base::quantity::number::probability;
 use sagnac_base::table::column::columns_of;
 use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -168,7 +167,7 @@ fn beyond(length: Length) -> Option<f64> {
 
 /// The records of the logs: `records.csv`.
 pub fn records(analysis: &Analysis) -> Table {
-    records::table(analysis.logs().map(|(log, label)| Record {
+    log::report::records(analysis.logs().map(|(log, label)| Record {
         mean: None,
         slope: None,
         ..Record::new(log, &log.columns[0], label)

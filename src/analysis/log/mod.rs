@@ -11,7 +11,6 @@ mod bag_folder;
 pub mod events;
 pub mod figures;
 pub mod noise_file;
-pub(crate) mod records;
 pub mod report;
 
 use std::ops::Range;

@@ -2,9 +2,8 @@
 
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::figures::per_unit;
-use crate::analysis::log::records::Record;
-use crate::analysis::log::report::{heading, key, text};
-use crate::analysis::log::{self, Column, events, figures, records};
+use crate::analysis::log::report::{Record, heading, key, text};
+use crate::analysis::log::{self, Column, events, figures};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
 use sagnac_base::quantity::number::{joined, significant};
@@ -251,7 +250,7 @@ pub fn white_noise(analysis: &Analysis) -> Table {
 pub fn records(analysis: &Analysis) -> Table {
     let Analysis { noise, spectra } = analysis;
     let columns = noise.columns.iter().enumerate();
-    records::table(columns.map(|(place, column)| Record {
+    log::report::records(columns.map(|(place, column)| Record {
         density: spectra.get(place).map(|spectrum| &spectrum.density),
         ..Record::new(noise, column, &column.name)
     }))
