@@ -41,6 +41,39 @@ const CHECKED: Recording = Recording {
     is_checked: true,
 };
 
+/// The topics of PX4 as ROS 2 records them, by their number; sensor_gyro has twice the rates.
+const PX4: [Recording; 4] = [
+    Recording {
+        column: "/fmu/out/sensor_gyro.gx",
+        mean: 0.020_073_625_084_478_408,
+        deviation: 0.003_480_838_801_408_158,
+        is_checked: false,
+        ..CHECKED
+    },
+    Recording {
+        column: "/fmu/out/sensor_combined.gx",
+        mean: 0.010_036_812_542_239_204,
+        deviation: 0.001_740_419_400_704_079,
+        is_checked: false,
+        ..CHECKED
+    },
+    Recording {
+        column: "/fmu/out/vehicle_imu.gx",
+        mean: 0.010_036_812_490_296_951,
+        deviation: 0.001_740_419_462_831_476_3,
+        is_checked: false,
+        ..CHECKED
+    },
+    Recording {
+        column: "/fmu/out/sensor_gyro_fifo.gx",
+        length_s: 0.2099,
+        mean: 0.010_036_805_530_215_057,
+        deviation: 0.001_740_413_878_013_982_2,
+        is_checked: false,
+        ..CHECKED
+    },
+];
+
 const RECORDINGS: &[Recording] = &[
     Recording {
         file: "imu.ulg",
@@ -88,6 +121,10 @@ const RECORDINGS: &[Recording] = &[
         deviation: 0.003_480_838_854_877_405_4,
         is_checked: false,
     },
+    Recording { file: "px4.db3", ..PX4[0] },
+    Recording { file: "px4.db3", ..PX4[1] },
+    Recording { file: "px4.db3", ..PX4[2] },
+    Recording { file: "px4.db3", ..PX4[3] },
     Recording { file: "imu.csv.gz", ..CHECKED },
     #[cfg(feature = "parquet")]
     Recording { file: "imu.parquet", is_checked: false, ..CHECKED },
@@ -97,6 +134,10 @@ const RECORDINGS: &[Recording] = &[
     Recording { file: "imu_bz2.bag", ..CHECKED },
     #[cfg(feature = "ros")]
     Recording { file: "imu.mcap", ..CHECKED },
+    #[cfg(feature = "ros")]
+    Recording { file: "px4.mcap", is_checked: true, ..PX4[2] },
+    #[cfg(feature = "ros")]
+    Recording { file: "px4.mcap", is_checked: true, ..PX4[3] },
 ];
 
 /// Damages of each file, the most bytes that are held while one is read, and the longest time.

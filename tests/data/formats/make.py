@@ -18,7 +18,7 @@ import scipy.io
 import zstandard
 from mcap_ros2.writer import Writer as Mcap
 from rosbags.rosbag1 import Writer as Bag
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 FOLDER = Path(__file__).parent
 COUNT = 36
@@ -114,6 +114,75 @@ def write_mcap(name, rows=slice(COUNT), **options):
             }
             writer.write_message("/imu/data", schema, message, log_time=stamp, publish_time=stamp)
         writer.finish()
+
+
+# Messages of PX4 as of version 1.16.
+PX4 = {
+    "SensorGyro": "uint64 timestamp\nuint64 timestamp_sample\nuint32 device_id\nfloat32 x\nfloat32 y\nfloat32 z\n"
+    "float32 temperature\nuint32 error_count\nuint8[3] clip_counter\nuint8 samples\nuint8 ORB_QUEUE_LENGTH = 8\n",
+    "SensorGyroFifo": "uint64 timestamp\nuint64 timestamp_sample\nuint32 device_id\nfloat32 dt\nfloat32 scale\n"
+    "uint8 samples\nint16[32] x\nint16[32] y\nint16[32] z\nuint8 ORB_QUEUE_LENGTH = 4\n",
+    "SensorCombined": "uint64 timestamp\nint32 RELATIVE_TIMESTAMP_INVALID = 2147483647\nfloat32[3] gyro_rad\n"
+    "uint32 gyro_integral_dt\nint32 accelerometer_timestamp_relative\nfloat32[3] accelerometer_m_s2\n"
+    "uint32 accelerometer_integral_dt\nuint8 CLIPPING_X = 1\nuint8 accelerometer_clipping\nuint8 gyro_clipping\n"
+    "uint8 accel_calibration_count\nuint8 gyro_calibration_count\n",
+    "VehicleImu": "uint64 timestamp\nuint64 timestamp_sample\nuint32 accel_device_id\nuint32 gyro_device_id\n"
+    "float32[3] delta_angle\nfloat32[3] delta_velocity\nuint32 delta_angle_dt\nuint32 delta_velocity_dt\n"
+    "uint8 CLIPPING_X = 1\nuint8 delta_angle_clipping\nuint8 delta_velocity_clipping\n"
+    "uint8 accel_calibration_count\nuint8 gyro_calibration_count\n",
+}
+
+
+def px4_messages():
+    """Type, time in ns and fields of the messages of an IMU of PX4; a batch has three samples, and its clock is that of `write_fifo`."""
+    counts = np.round(rates / 1e-6).astype("<i2")
+    for at, stamp in enumerate((10_000_000_000 + STEP_NS * row).tolist()):
+        time = stamp // 1000
+        head = {"timestamp": time + 500, "timestamp_sample": time}
+        turn = dict(zip("xyz", (2 * rates[at]).tolist()))
+        rest = {"temperature": 25.0, "error_count": 0, "clip_counter": np.zeros(3, "u1"), "samples": 1}
+        yield "SensorGyro", stamp, {**head, "device_id": 7, **turn, **rest}
+        vectors = {"gyro_rad": rates[at].astype("f4"), "gyro_integral_dt": 5000, "accelerometer_timestamp_relative": 0}
+        vectors |= {"accelerometer_m_s2": forces[at].astype("f4"), "accelerometer_integral_dt": 5000}
+        flags = {"accel_calibration_count": 1, "gyro_calibration_count": 1}
+        clipping = {"accelerometer_clipping": 0, "gyro_clipping": 0}
+        yield "SensorCombined", stamp, {"timestamp": time, **vectors, **clipping, **flags}
+        increments = {"delta_angle": (rates[at] * 5e-3).astype("f4"), "delta_velocity": (forces[at] * 5e-3).astype("f4")}
+        increments |= {"delta_angle_dt": 5000, "delta_velocity_dt": 5000, "delta_angle_clipping": 0, "delta_velocity_clipping": 0}
+        yield "VehicleImu", stamp, {**head, "accel_device_id": 7, "gyro_device_id": 7, **increments, **flags}
+        if at % 3 == 2:
+            lists = np.zeros((3, 32), "<i2")
+            lists[:, :3] = counts[at - 2 : at + 1].T
+            batch = {"device_id": 7, "dt": 4950.0, "scale": 1e-6, "samples": 3, **dict(zip("xyz", lists))}
+            yield "SensorGyroFifo", stamp, {**head, **batch}
+
+
+def topic_of(kind):
+    return "/fmu/out/" + "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in kind)[1:]
+
+
+def write_px4_mcap():
+    with open(FOLDER / "px4.mcap", "wb") as file:
+        writer = Mcap(file)
+        schemas = {kind: writer.register_msgdef(f"px4_msgs/msg/{kind}", text) for kind, text in PX4.items()}
+        for kind, stamp, fields in px4_messages():
+            fields = {name: x.tolist() if isinstance(x, np.ndarray) else x for name, x in fields.items()}
+            writer.write_message(topic_of(kind), schemas[kind], fields, log_time=stamp, publish_time=stamp)
+        writer.finish()
+
+
+def write_px4_db3():
+    """As ROS 2 Humble records messages of PX4, without their definitions."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    for kind, text in PX4.items():
+        store.register(get_types_from_msg(text, f"px4_msgs/msg/{kind}"))
+    bag = new_db3("px4.db3", [(topic_of(kind), f"px4_msgs/msg/{kind}") for kind in PX4])
+    for kind, stamp, fields in px4_messages():
+        name = f"px4_msgs/msg/{kind}"
+        message = bytes(store.serialize_cdr(store.types[name](**fields), name))
+        bag.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)", (list(PX4).index(kind) + 1, stamp, message))
+    bag.commit()
+    bag.close()
 
 
 def write_bag_folder():
@@ -248,12 +317,9 @@ def write_dataflash():
     (FOLDER / "imu_log.bin").write_bytes(b"".join(parts))
 
 
-def write_db3():
-    """A bag of ROS 2 in SQLite with pages of 512 bytes, so that there are several levels, and messages on pages of their own."""
-    store = get_typestore(Stores.ROS2_IRON)
-    types = store.types
-    vector, covariance = types["geometry_msgs/msg/Vector3"], np.zeros(9)
-    path = FOLDER / "imu.db3"
+def new_db3(name, topics):
+    """An empty bag of ROS 2 in SQLite."""
+    path = FOLDER / name
     path.unlink(missing_ok=True)
     bag = sqlite3.connect(path)
     bag.execute("PRAGMA page_size = 512")
@@ -264,8 +330,17 @@ def write_db3():
         CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL);
         CREATE INDEX timestamp_idx ON messages (timestamp ASC);
     """)
-    topics = [("/imu/data", "sensor_msgs/msg/Imu"), ("/chatter", "std_msgs/msg/String"), ("/twist", "geometry_msgs/msg/TwistStamped")]
     bag.executemany("INSERT INTO topics(name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, 'cdr', '')", topics)
+    return bag
+
+
+def write_db3():
+    """A bag of ROS 2 in SQLite with pages of 512 bytes, so that there are several levels, and messages on pages of their own."""
+    store = get_typestore(Stores.ROS2_IRON)
+    types = store.types
+    vector, covariance = types["geometry_msgs/msg/Vector3"], np.zeros(9)
+    topics = [("/imu/data", "sensor_msgs/msg/Imu"), ("/chatter", "std_msgs/msg/String"), ("/twist", "geometry_msgs/msg/TwistStamped")]
+    bag = new_db3("imu.db3", topics)
     for stamp, rate, force in zip(stamps.tolist(), rates, forces):
         time = types["builtin_interfaces/msg/Time"](stamp // 10**9, stamp % 10**9)
         header = types["std_msgs/msg/Header"](time, "imu")
@@ -296,6 +371,8 @@ write_text()
 write_arrays()
 write_hdf5()
 write_mcap("imu.mcap")
+write_px4_mcap()
+write_px4_db3()
 write_bag_folder()
 write_bag("imu.bag")
 write_bag("imu_packed.bag", Bag.CompressionFormat.LZ4)

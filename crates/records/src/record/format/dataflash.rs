@@ -270,20 +270,17 @@ impl Log {
                 self.batches.push(batch);
             }),
             Content::BatchPart(places) => Batch::take(&mut self.batches, body, places, numbers),
-            Content::Sample(layout, instance) => layout.sample(body, numbers).map(|sample| {
+            Content::Sample(layout, instance) => {
                 let instance = instance.and_then(|place| place.read(body, numbers));
                 let sensor = instance.map_or_else(|| name.clone(), |instance| format!("{name}_{instance}"));
-                match self.groups.iter_mut().find(|group| group.name == sensor) {
-                    Some(group) => group.rows.push(sample),
-                    None => self.groups.push(Group {
-                        name: sensor,
-                        kind: name.clone(),
-                        unit: layout.unit,
-                        vectors: layout.topic.vectors(),
-                        rows: vec![sample],
-                    }),
-                }
-            }),
+                let known = self.groups.iter().position(|group| group.name == sensor);
+                let group = known.unwrap_or_else(|| {
+                    let (kind, vectors) = (name.clone(), layout.topic.vectors());
+                    self.groups.push(Group { name: sensor, kind, unit: layout.unit, vectors, rows: vec![] });
+                    self.groups.len() - 1
+                });
+                layout.take(body, &mut self.groups[group].rows, numbers)
+            }
         };
         taken.map_or_else(|| malformed("a message is too short"), Ok)
     }

@@ -34,23 +34,45 @@ pub(crate) enum Rule {
     Over(&'static str),
     /// The vector was not measured if this field is −1.
     Unless(&'static str),
+    /// The fields are lists of integers, each of a sample. The time of the message is that of the last one.
+    Batch,
 }
 
+/// Fields of a batch: the nominal time from sample to sample, µs, the size of a unit of its integers, and the number of samples.
+const BATCH: [&str; 3] = ["dt", "scale", "samples"];
+
+/// Most samples of a batch.
+const MAX_BATCH: usize = 64;
+
 impl Topic {
-    /// All fields with numbers of the vectors.
-    pub(crate) fn fields(&self) -> Vec<&'static str> {
-        let of_vector = |Vector { fields, rule }: &Vector| {
-            let other = match rule {
-                Rule::Plain => None,
-                Rule::Over(other) | Rule::Unless(other) => Some(*other),
-            };
-            fields.iter().copied().chain(other).collect::<Vec<_>>()
+    /// All fields with numbers of the vectors. Those of a batch end with the samples that it may have.
+    pub(crate) fn fields(&self) -> Vec<String> {
+        let of_vector = |Vector { fields, rule }: &Vector| match rule {
+            Rule::Plain => fields.map(str::to_owned).to_vec(),
+            Rule::Over(other) | Rule::Unless(other) => {
+                fields.iter().chain([other]).map(|&field| field.to_owned()).collect()
+            }
+            Rule::Batch => {
+                let of_sample = |i: usize| fields.map(|field| format!("{field}[{i}]"));
+                BATCH.map(str::to_owned).into_iter().chain((0..MAX_BATCH).flat_map(of_sample)).collect()
+            }
         };
         self.vectors.iter().flatten().flat_map(of_vector).collect()
     }
 
-    /// The sample with these numbers of [`Topic::fields`]; there are as many.
-    pub(crate) fn sample(&self, time: f64, mut numbers: &[f64]) -> Sample {
+    /// Number of the fields without which a message has no samples.
+    pub(crate) fn required(&self) -> usize {
+        let required = |Vector { rule, .. }: &Vector| match rule {
+            Rule::Plain => 3,
+            Rule::Over(_) | Rule::Unless(_) => 4,
+            Rule::Batch => BATCH.len() + 3,
+        };
+        self.vectors.iter().flatten().map(required).sum()
+    }
+
+    /// Adds the samples of a message to those before. It has these numbers of [`Topic::fields`], which are as many as are required or
+    /// more. `None` if it has fewer samples than it states.
+    pub(crate) fn take(&self, time: f64, mut numbers: &[f64], rows: &mut Vec<Sample>) -> Option<()> {
         let mut sample = [f64::NAN; 7];
         sample[0] = time;
         for (vector, at) in self.vectors.iter().zip([1, 4]) {
@@ -58,6 +80,7 @@ impl Topic {
             let (values, rest) = numbers.split_at(3);
             let (divisor, used) = match rule {
                 Rule::Plain => (1.0, 0),
+                Rule::Batch => return take_batch(time, numbers, rows, at),
                 // What was summed over no time is no rate.
                 Rule::Over(_) => (if rest[0] > 0.0 { rest[0] * 1e-6 } else { f64::NAN }, 1),
                 Rule::Unless(_) => (if rest[0] == -1.0 { f64::NAN } else { 1.0 }, 1),
@@ -65,13 +88,34 @@ impl Topic {
             sample[at..at + 3].iter_mut().zip(values).for_each(|(slot, value)| *slot = value / divisor);
             numbers = &rest[used..];
         }
-        sample
+        rows.push(sample);
+        Some(())
     }
 
     /// Fields of the angular rate and of the acceleration.
     pub(crate) fn vectors(&self) -> [Option<[&'static str; 3]>; 2] {
         self.vectors.each_ref().map(|vector| vector.as_ref().map(|vector| vector.fields))
     }
+}
+
+/// Adds the samples of a batch to those before. Where it follows the batch before without a gap, the times of both give the spacing of its
+/// samples, because the clock of the sensor is not that of the logger.
+fn take_batch(time: f64, numbers: &[f64], rows: &mut Vec<Sample>, at: usize) -> Option<()> {
+    let ([step, scale, count], lists) = numbers.split_first_chunk()?;
+    let vectors = lists.chunks_exact(3).take_while(|vector| vector.iter().all(|x| !x.is_nan()));
+    let vectors: Vec<&[f64]> = vectors.take(count.clamp(0.0, MAX_BATCH as f64) as usize).collect();
+    if vectors.len() as f64 != *count {
+        return None;
+    }
+    let passed = rows.last().map_or(0.0, |last| time - last[0]) / count;
+    let step = if passed > 0.5 * step && passed < 1.5 * step { passed } else { *step };
+    for (i, vector) in vectors.into_iter().enumerate() {
+        let mut sample = [f64::NAN; 7];
+        sample[0] = time - (count - 1.0 - i as f64) * step;
+        sample[at..at + 3].iter_mut().zip(vector).for_each(|(slot, value)| *slot = scale * value);
+        rows.push(sample);
+    }
+    Some(())
 }
 
 /// The place of a number in a message, its type, and what it is divided by.
@@ -107,33 +151,39 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The places for the first of some topics whose fields a message all has, with the first of the `times` that it has; `place` finds
-    /// a field.
+    /// The places for the first of some topics whose required fields a message all has, with the first of the `times` that it has;
+    /// `place` finds a field.
     pub(crate) fn new(
         mut topics: impl Iterator<Item = &'static Topic>,
         times: &[(&str, &'static str)],
         place: impl Fn(&str) -> Option<Place>,
     ) -> Option<Layout> {
-        let places = |topic: &Topic| topic.fields().into_iter().map(&place).collect::<Option<Vec<_>>>();
-        let (topic, places) = topics.find_map(|topic| Some((topic, places(topic)?)))?;
+        let places = |topic: &Topic| topic.fields().iter().map_while(|field| place(field)).collect();
+        let (topic, places) = topics.find_map(|topic| {
+            let places: Vec<Place> = places(topic);
+            (places.len() >= topic.required()).then_some((topic, places))
+        })?;
         let (time, unit) = times.iter().find_map(|(name, unit)| Some((place(name)?, *unit)))?;
         Some(Layout { topic, unit, time, places })
     }
 
-    /// The sample of a message, if that is long enough. `numbers` is used in between.
-    pub(crate) fn sample(&self, message: &[u8], numbers: &mut Vec<f64>) -> Option<Sample> {
+    /// Adds the samples of a message to those before, if it is long enough. `numbers` is used in between.
+    pub(crate) fn take(&self, message: &[u8], rows: &mut Vec<Sample>, numbers: &mut Vec<f64>) -> Option<()> {
         let time = self.time.read(message, numbers)?;
         numbers.clear();
         self.places.iter().try_for_each(|place| place.append(message, numbers))?;
-        Some(self.topic.sample(time, numbers))
+        self.topic.take(time, numbers, rows)
     }
 }
 
 const XYZ: Vector = Vector { fields: ["x", "y", "z"], rule: Rule::Plain };
+const LISTS: Vector = Vector { fields: ["x", "y", "z"], rule: Rule::Batch };
 const ARRAY: Vector = Vector { fields: ["xyz[0]", "xyz[1]", "xyz[2]"], rule: Rule::Plain };
 
 /// The topics of PX4. Of those with one name the first is used whose fields a log has.
-pub(crate) static PX4: [Topic; 8] = [
+pub(crate) static PX4: [Topic; 10] = [
+    Topic { name: "sensor_gyro_fifo", vectors: [Some(LISTS), None] },
+    Topic { name: "sensor_accel_fifo", vectors: [None, Some(LISTS)] },
     Topic { name: "sensor_gyro", vectors: [Some(XYZ), None] },
     Topic { name: "sensor_accel", vectors: [None, Some(XYZ)] },
     Topic {

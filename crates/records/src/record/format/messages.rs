@@ -1,7 +1,8 @@
 //! Messages of ROS 1 and ROS 2 with angular rates or accelerations, and the columns that they make.
 //!
 //! Messages are read by the definition of their type: that in the recording for those of PX4, which changes from version to version,
-//! and one from here for the others, which do not change.
+//! and one from here for the others, which do not change. Recordings of early versions of ROS 2 have none; messages of PX4 are then read by
+//! the one from here that has their length.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io;
@@ -85,6 +86,44 @@ const DEFINITIONS: [(&str, &str); 13] = [
 /// The package of the messages of PX4.
 const PX4_PACKAGE: &str = "px4_msgs/";
 
+/// Messages of PX4 1.12 to 1.18 by their first fields, and numbers of bytes that follow these: versions differ in the flags at the end.
+const PX4_DEFINITIONS: [(&[&str], &str, &[usize]); 6] = [
+    (
+        &["SensorGyro", "SensorAccel"],
+        "uint64 timestamp\nuint64 timestamp_sample\nuint32 device_id\nfloat32 x\nfloat32 y\nfloat32 z",
+        &[8, 12],
+    ),
+    (
+        &["SensorGyroFifo", "SensorAccelFifo"],
+        "uint64 timestamp\nuint64 timestamp_sample\nuint32 device_id\nfloat32 dt\nfloat32 scale\nuint8 samples\n\
+         int16[32] x\nint16[32] y\nint16[32] z",
+        &[0],
+    ),
+    (
+        &["SensorCombined"],
+        "uint64 timestamp\nfloat32[3] gyro_rad\nuint32 gyro_integral_dt\nint32 accelerometer_timestamp_relative\n\
+         float32[3] accelerometer_m_s2\nuint32 accelerometer_integral_dt",
+        &[0, 4],
+    ),
+    (
+        &["VehicleAngularVelocity", "VehicleAcceleration"],
+        "uint64 timestamp\nuint64 timestamp_sample\nfloat32[3] xyz",
+        &[0, 12],
+    ),
+    (
+        &["VehicleImu"],
+        "uint64 timestamp\nuint64 timestamp_sample\nuint32[2] device_ids\nfloat32[3] delta_angle\n\
+         float32[3] delta_velocity\nuint16 delta_angle_dt\nuint16 delta_velocity_dt",
+        &[0, 4],
+    ),
+    (
+        &["VehicleImu"],
+        "uint64 timestamp\nuint64 timestamp_sample\nuint32[2] device_ids\nfloat32[3] delta_angle\n\
+         float32[3] delta_velocity\nuint32 delta_angle_dt\nuint32 delta_velocity_dt",
+        &[4],
+    ),
+];
+
 /// The serialization of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
@@ -109,8 +148,10 @@ pub(crate) struct Reader {
     encoding: Encoding,
     /// Whether the time is that of a header and not that of PX4.
     is_stamped: bool,
-    steps: Vec<Step>,
-    slots: usize,
+    /// Whether the definition is one from here of a type that changes.
+    is_supposed: bool,
+    /// The fields of a message, and the number of its slots, by each definition that it may follow.
+    forms: Vec<(Vec<Step>, usize)>,
 }
 
 /// Without the folder in which ROS 2 keeps messages.
@@ -122,7 +163,7 @@ impl Reader {
     /// The reader of messages of a type, as far as it has samples. `definition` is that in the recording.
     ///
     /// # Errors
-    /// The definition is needed, and missing or not understood.
+    /// The definition is needed, and not understood.
     pub(crate) fn new(
         kind: &str,
         definition: Option<&str>,
@@ -142,7 +183,7 @@ impl Reader {
             return Ok(None);
         }
         let Some(text) = definition.filter(|text| !text.trim().is_empty()) else {
-            return malformed(&format!("the definition of {kind} is missing"));
+            return Reader::supposed(&kind, encoding);
         };
         let types = divided(&kind, text);
         let mut refused = malformed(&format!("the definition of {kind} has no time and angular rate"));
@@ -157,6 +198,26 @@ impl Reader {
         refused
     }
 
+    /// The reader of messages of PX4 whose definition the recording lacks, if one is known.
+    fn supposed(kind: &str, encoding: Encoding) -> io::Result<Option<Reader>> {
+        let is_of = |names: &[&str]| names.iter().any(|name| kind.strip_prefix(PX4_PACKAGE) == Some(*name));
+        let mut known: Option<Reader> = None;
+        for (_, text, rests) in PX4_DEFINITIONS.iter().filter(|(names, ..)| is_of(names)) {
+            for rest in *rests {
+                let text = format!("{text}\nuint8[{rest}] rest");
+                let Some(reader) = Reader::new(kind, Some(&text), encoding)? else { continue };
+                match &mut known {
+                    Some(known) => known.forms.extend(reader.forms),
+                    None => known = Some(Reader { is_supposed: true, ..reader }),
+                }
+            }
+        }
+        known.map_or_else(
+            || malformed(&format!("the definition of {kind} is missing")),
+            |known| Ok(Some(known)),
+        )
+    }
+
     fn of_topic(
         topic: &'static Topic,
         kind: &str,
@@ -164,14 +225,15 @@ impl Reader {
         types: &HashMap<String, &str>,
         encoding: Encoding,
     ) -> io::Result<Reader> {
-        let wanted = [times, &topic.fields()].concat();
+        let wanted: Vec<String> = times.iter().map(|&time| time.to_owned()).chain(topic.fields()).collect();
         let mut walk = Walk { types, wanted: &wanted, found: vec![false; wanted.len()], left: MAX_STEPS };
         let steps = walk.steps(kind, "", 0)?;
-        if let Some(at) = walk.found.iter().position(|found| !found) {
-            return malformed(&format!("the definition of {kind} has no `{}`", wanted[at]));
+        let slots = walk.found.iter().position(|found| !found).unwrap_or(wanted.len());
+        if slots < times.len() + topic.required() {
+            return malformed(&format!("the definition of {kind} has no `{}`", wanted[slots]));
         }
-        let (kind, is_stamped) = (kind.to_owned(), times.len() == 2);
-        Ok(Reader { kind, topic, encoding, is_stamped, steps, slots: wanted.len() })
+        let (kind, is_stamped, forms) = (kind.to_owned(), times.len() == 2, vec![(steps, slots)]);
+        Ok(Reader { kind, topic, encoding, is_stamped, is_supposed: false, forms })
     }
 
     /// The unit of the times.
@@ -179,8 +241,20 @@ impl Reader {
         if self.is_stamped { "ns" } else { "us" }
     }
 
-    /// Reads a message: its time, the angular rate and the acceleration; a part is NaN where it was not measured.
-    fn sample(&self, message: &[u8]) -> Option<Sample> {
+    /// Adds the samples of a message to those before; a part of one is NaN where it was not measured. `None` if it is no such message.
+    fn take(&self, message: &[u8], rows: &mut Vec<Sample>) -> Option<()> {
+        let numbers = self.forms.iter().find_map(|(steps, slots)| self.numbers(message, steps, *slots))?;
+        if !self.is_stamped {
+            return self.topic.take(numbers[0], &numbers[1..], rows);
+        }
+        // Rounded once, as the same number in a text would be.
+        let [seconds, rest] = [numbers[0] as u64, numbers[1] as u64];
+        let time = (rest < 1_000_000_000).then(|| (seconds * 1_000_000_000 + rest) as f64)?;
+        self.topic.take(time, &numbers[2..], rows)
+    }
+
+    /// The numbers of a message by one definition, if it has these fields and no others.
+    fn numbers(&self, message: &[u8], steps: &[Step], slots: usize) -> Option<Vec<f64>> {
         let (body, big_endian) = match self.encoding {
             Encoding::Ros1 => (message, false),
             // Plain CDR only, in either order.
@@ -190,27 +264,13 @@ impl Reader {
                 _ => return None,
             },
         };
-        let mut cursor = Cursor {
-            bytes: body,
-            at: 0,
-            is_aligned: self.encoding == Encoding::Cdr,
-            big_endian,
-            number: vec![],
-        };
-        let mut slots = vec![f64::NAN; self.slots];
-        cursor.take(&self.steps, &mut slots)?;
+        let is_aligned = self.encoding == Encoding::Cdr;
+        let mut cursor = Cursor { bytes: body, at: 0, is_aligned, big_endian, number: vec![] };
+        let mut numbers = vec![f64::NAN; slots];
+        cursor.take(steps, &mut numbers)?;
         // CDR may be padded to four bytes.
-        let padding = if self.encoding == Encoding::Cdr { 3 } else { 0 };
-        if body.len() - cursor.at > padding {
-            return None;
-        }
-        if !self.is_stamped {
-            return Some(self.topic.sample(slots[0], &slots[1..]));
-        }
-        // Rounded once, as the same number in a text would be.
-        let [seconds, rest] = [slots[0] as u64, slots[1] as u64];
-        (rest < 1_000_000_000)
-            .then(|| self.topic.sample((seconds * 1_000_000_000 + rest) as f64, &slots[2..]))
+        let padding = if is_aligned { 3 } else { 0 };
+        (body.len() - cursor.at <= padding).then_some(numbers)
     }
 }
 
@@ -265,7 +325,7 @@ fn number(kind: &str) -> Option<&'static Number> {
 struct Walk<'w> {
     types: &'w HashMap<String, &'w str>,
     /// Paths of the wanted numbers, and whether they were met.
-    wanted: &'w [&'w str],
+    wanted: &'w [String],
     found: Vec<bool>,
     /// Fields that may follow.
     left: usize,
@@ -382,7 +442,9 @@ impl<'m> Cursor<'m> {
                         raw.copy_from_slice(bytes);
                         self.number.clear();
                         number.append(raw, self.big_endian, &mut self.number);
-                        slots[*slot] = *self.number.first()?;
+                        let number = *self.number.first()?;
+                        // The slots of a list end with the first of its places that an axis lacks.
+                        slots.get_mut(*slot).into_iter().for_each(|slot| *slot = number);
                     }
                 }
                 Step::Text => {
@@ -410,6 +472,8 @@ pub(crate) struct Messages {
     others: Vec<String>,
     /// Why messages with samples cannot be read.
     unread: Vec<String>,
+    /// What was inferred, in a line each.
+    notes: Vec<String>,
 }
 
 impl Messages {
@@ -437,20 +501,24 @@ impl Messages {
     /// # Errors
     /// It is no message of the type of the reader, or those before were of another type.
     pub(crate) fn take(&mut self, topic: &str, message: &[u8], reader: &Reader) -> io::Result<()> {
-        let Some(sample) = reader.sample(&packed::message(message)?) else {
-            return malformed(&format!("a message of {topic} is no {}", reader.topic.name));
-        };
-        let (unit, vectors) = (reader.unit(), reader.topic.vectors());
-        match self.topics.get_mut(topic) {
-            Some(group) if group.kind == reader.kind => group.rows.push(sample),
-            Some(_) => return malformed(&format!("{topic} has messages of several types")),
-            None => {
-                let (name, kind) = (topic.to_owned(), reader.kind.clone());
-                let group = Group { name, kind, unit, vectors, rows: vec![sample] };
-                self.topics.insert(topic.to_owned(), group);
+        let kind = &reader.kind;
+        if !self.topics.contains_key(topic) {
+            let (unit, vectors, name) = (reader.unit(), reader.topic.vectors(), topic.to_owned());
+            self.topics
+                .insert(topic.to_owned(), Group { name, kind: kind.clone(), unit, vectors, rows: vec![] });
+            if reader.is_supposed {
+                self.notes.push(format!(
+                    "the recording has no definition of {kind}: {topic} is read as PX4 1.12 to 1.18 write it"
+                ));
             }
         }
-        Ok(())
+        let Some(group) = self.topics.get_mut(topic).filter(|group| group.kind == *kind) else {
+            return malformed(&format!("{topic} has messages of several types"));
+        };
+        let taken = reader.take(&packed::message(message)?, &mut group.rows);
+        let supposed =
+            if reader.is_supposed { " of PX4 1.12 to 1.18, and the recording has no definition" } else { "" };
+        taken.map_or_else(|| malformed(&format!("a message of {topic} is no {kind}{supposed}")), Ok)
     }
 
     /// The columns of all topics with messages; `file` is the name in messages.
@@ -459,7 +527,8 @@ impl Messages {
     /// There are no such messages.
     pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
         let groups = self.topics.into_values().collect();
-        let notes = self.unread.iter().map(|why| format!("a topic is not read: {why}")).collect();
+        let unread = self.unread.iter().map(|why| format!("a topic is not read: {why}"));
+        let notes = unread.chain(self.notes).collect();
         Groups::open(file, groups, notes, || match &self.unread[..] {
             [] => {
                 let message =
@@ -486,7 +555,14 @@ mod tests {
     const NUMBERS: usize = 4 + 9 + 3 + 9 + 3 + 9;
 
     fn imu(message: &[u8], encoding: Encoding) -> Option<Sample> {
-        Reader::new("sensor_msgs/msg/Imu", None, encoding).unwrap().unwrap().sample(message)
+        sample(&Reader::new("sensor_msgs/msg/Imu", None, encoding).unwrap().unwrap(), message)
+    }
+
+    /// The only sample of a message.
+    fn sample(reader: &Reader, message: &[u8]) -> Option<Sample> {
+        let mut rows = vec![];
+        reader.take(message, &mut rows)?;
+        (rows.len() == 1).then(|| rows[0])
     }
 
     /// A message with the numbers 0, 1, 2 and so on, of which some are replaced.
@@ -539,9 +615,9 @@ mod tests {
         };
         let twist = [head(b"imu_1\0"), vec![0; 6], numbers(6).collect()].concat();
         let read =
-            |kind, message: &[u8]| Reader::new(kind, None, Encoding::Cdr).unwrap().unwrap().sample(message);
-        let sample = read("geometry_msgs/msg/TwistStamped", &twist).unwrap();
-        assert_eq!(sample[..4], [7_000_000_001.0, 3.0, 4.0, 5.0]);
+            |kind, message: &[u8]| sample(&Reader::new(kind, None, Encoding::Cdr).unwrap().unwrap(), message);
+        let found = read("geometry_msgs/msg/TwistStamped", &twist).unwrap();
+        assert_eq!(found[..4], [7_000_000_001.0, 3.0, 4.0, 5.0]);
         let vector = [head(b"\0"), vec![0; 3], numbers(3).collect()].concat();
         assert_eq!(read("geometry_msgs/Vector3Stamped", &vector).unwrap()[1..4], [0.0, 1.0, 2.0]);
         let child = [&5_u32.to_be_bytes()[..], b"base\0"].concat();
@@ -568,9 +644,8 @@ mod tests {
             &[7],
         ]
         .concat();
-        assert_eq!(reader.sample(&bytes), Some([123.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        assert_eq!(sample(&reader, &bytes), Some([123.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
         for (text, piece) in [
-            ("", "is missing"),
             ("uint64 time\nfloat32[3] gyro_rad", "has no `timestamp`"),
             ("uint64 timestamp\nfloat32 x", "has no `gyro_rad[0]`"),
             ("uint64 timestamp\nOther x", "unknown type `px4_msgs/Other`"),
@@ -585,5 +660,60 @@ mod tests {
             assert!(said.contains(piece), "{piece} is missing in {said:?}");
         }
         assert!(Reader::new("px4_msgs/msg/BatteryStatus", None, Encoding::Cdr).unwrap().is_none());
+    }
+
+    #[test]
+    fn messages_of_px4_without_a_definition_are_read_by_their_length() {
+        let reader = |kind| Reader::new(kind, None, Encoding::Cdr).unwrap().unwrap();
+        let head = [&[0, 1, 0, 0][..], &9_u64.to_le_bytes(), &7_u64.to_le_bytes()].concat();
+        let floats = |count: u8| (1..=count).flat_map(|x| f32::from(x).to_le_bytes()).collect::<Vec<_>>();
+        let spans = |wide: bool| match wide {
+            true => [5000_u32, 2000].map(u32::to_le_bytes).concat(),
+            false => [5000_u16, 2000].map(u16::to_le_bytes).concat(),
+        };
+        let imu = |wide: bool, flags: usize| {
+            [head.clone(), vec![0; 8], floats(6), spans(wide), vec![1; flags]].concat()
+        };
+        let imus = reader("px4_msgs/msg/VehicleImu");
+        // Of versions 1.12, 1.13, 1.14 and 1.16, the first two with and without padding, and of none.
+        for (bytes, is_read) in [
+            (imu(false, 2), true),
+            (imu(false, 3), true),
+            (imu(false, 4), true),
+            (imu(true, 4), true),
+            (imu(true, 8), false),
+            (imu(false, 0)[..50].to_vec(), false),
+        ] {
+            let found = sample(&imus, &bytes);
+            assert_eq!(found.is_some(), is_read, "{} bytes", bytes.len());
+            assert!(found.is_none_or(|found| found == [7.0, 200.0, 400.0, 600.0, 2000.0, 2500.0, 3000.0]));
+        }
+        let gyros = reader("px4_msgs/msg/SensorGyro");
+        for (rest, is_read) in [(4, false), (8, true), (9, true), (12, true), (16, false)] {
+            let found = sample(&gyros, &[head.clone(), vec![0; 4], floats(3), vec![2; rest]].concat());
+            assert_eq!(found.map(|found| found[1]), is_read.then_some(1.0), "{rest} bytes behind");
+        }
+        let said = Reader::new("px4_msgs/SensorGyroControl", None, Encoding::Cdr).err();
+        assert!(said.is_some_and(|said| said.to_string().contains("is missing")));
+    }
+
+    #[test]
+    fn batches_of_px4_have_as_many_samples_as_they_state() {
+        let text = "uint64 timestamp_sample\nfloat32 dt\nfloat32 scale\nuint8 samples\nint16[4] x\nint16[3] y\nint16[4] z";
+        let reader = Reader::new("px4_msgs/SensorAccelFifo", Some(text), Encoding::Cdr).unwrap().unwrap();
+        let batch = |time: u64, count: u8| {
+            let lists = (1..=11_i16).flat_map(i16::to_le_bytes).collect::<Vec<_>>();
+            let numbers = [100_f32, 0.5].map(f32::to_le_bytes).concat();
+            [&[0, 1, 0, 0][..], &time.to_le_bytes(), &numbers, &[count, 0], &lists].concat()
+        };
+        let mut rows = vec![];
+        for (time, count) in [(1000, 3), (1330, 3), (9000, 1), (9100, 0)] {
+            assert_eq!(reader.take(&batch(time, count), &mut rows), Some(()));
+        }
+        let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+        assert_eq!(times, [800.0, 900.0, 1000.0, 1110.0, 1220.0, 1330.0, 9000.0]);
+        assert!(rows[0][1].is_nan());
+        assert_eq!(rows[2][4..], [1.5, 3.5, 5.0]);
+        assert_eq!(reader.take(&batch(9300, 4), &mut rows), None);
     }
 }

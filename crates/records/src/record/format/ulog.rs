@@ -4,14 +4,13 @@
 //! The format is that of docs.px4.io, "ULog File Format". A log that was cut off, as where the power failed, is read as far as it
 //! goes.
 //!
-//! Samples of a gyro at its full rate (`sensor_gyro_fifo`) are in batches, whose time is that of their last sample. Where batches follow
-//! each other without a gap, their times give the spacing of the samples, because the clock of the sensor is not that of the logger.
+//! Samples of a gyro at its full rate (`sensor_gyro_fifo`) are in batches, whose time is that of their last sample.
 
 use std::collections::HashMap;
 use std::io::{self, BufReader, Read};
 
 use crate::record::binary::Number;
-use crate::record::format::groups::{Group, Groups, Layout, PX4, PX4_TIMES, Place, Sample, held};
+use crate::record::format::groups::{Group, Groups, Layout, PX4, PX4_TIMES, Place, held};
 use crate::record::format::{Columns, Format, Source, part};
 use crate::record::{RecordError, malformed, told};
 
@@ -53,7 +52,7 @@ struct Log {
     /// Fields of each format, as `type name`.
     formats: HashMap<String, Vec<String>>,
     /// The group of each subscribed topic and the places of its numbers, none for other topics.
-    topics: HashMap<u16, Option<(usize, Content)>>,
+    topics: HashMap<u16, Option<(usize, Layout)>>,
     groups: Vec<Group>,
     /// Names of topics without samples.
     others: Vec<String>,
@@ -65,36 +64,6 @@ struct Log {
     /// Places in the file where messages were appended.
     appended: Vec<u64>,
     numbers: Vec<f64>,
-}
-
-/// The contents of a message with samples.
-enum Content {
-    Sample(Layout),
-    Batch(Batch),
-}
-
-/// The topics with batches, and the places of their axes in a sample.
-const BATCHES: [(&str, usize); 2] = [("sensor_gyro_fifo", 1), ("sensor_accel_fifo", 4)];
-
-/// The axes of a batch, each a list of numbers.
-const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// The places of the numbers of a batch.
-struct Batch {
-    /// Time of the last sample, µs.
-    time: Place,
-    /// Nominal time from sample to sample, µs.
-    step: Place,
-    /// Size of a unit of the samples, rad/s or m/s².
-    scale: Place,
-    /// Number of samples.
-    count: Place,
-    /// The first sample of each axis, behind which the others follow.
-    axes: [Place; 3],
-    /// Most samples.
-    most: usize,
-    /// The place of the first axis in a sample.
-    at: usize,
 }
 
 /// A damaged message.
@@ -171,29 +140,18 @@ impl Log {
             return damaged("a subscription");
         };
         let (id, name) = (u16::from_le_bytes([*low, *high]), String::from_utf8_lossy(name));
-        let batch = BATCHES.iter().find(|(topic, _)| *topic == name);
-        let is_known = batch.is_some() || PX4.iter().any(|topic| topic.name == name);
+        let is_known = PX4.iter().any(|topic| topic.name == name);
         let fields = if is_known { self.fields(&name)? } else { Some(HashMap::new()) };
         let Some(fields) = fields else {
             return malformed(&format!("{name} has no format"));
         };
-        let content = match batch {
-            Some((_, at)) => Batch::new(&fields, *at).map(Content::Batch),
-            None => {
-                let topics = PX4.iter().filter(|topic| topic.name == name);
-                let layout = Layout::new(topics, &PX4_TIMES, |field| fields.get(field).copied());
-                layout.map(Content::Sample)
-            }
-        };
-        let Some(content) = content else {
+        let topics = PX4.iter().filter(|topic| topic.name == name);
+        let Some(layout) = Layout::new(topics, &PX4_TIMES, |field| fields.get(field).copied()) else {
             self.others.push(name.into_owned());
             self.topics.insert(id, None);
             return Ok(());
         };
-        let vectors = match &content {
-            Content::Sample(layout) => layout.topic.vectors(),
-            Content::Batch(batch) => [1, 4].map(|at| (batch.at == at).then_some(AXES)),
-        };
+        let vectors = layout.topic.vectors();
         // As pyulog calls them.
         let (kind, name) = (name.to_string(), format!("{name}_{instance}"));
         let known = self.groups.iter().position(|group| group.name == name);
@@ -201,23 +159,18 @@ impl Log {
             self.groups.push(Group { name, kind, unit: "us", vectors, rows: vec![] });
             self.groups.len() - 1
         });
-        self.topics.insert(id, Some((group, content)));
+        self.topics.insert(id, Some((group, layout)));
         Ok(())
     }
 
     fn data(&mut self, body: &[u8]) -> io::Result<()> {
         let Some((id, data)) = body.split_first_chunk() else { return damaged("a message") };
-        let (group, content) = match self.topics.get(&u16::from_le_bytes(*id)) {
+        let (group, layout) = match self.topics.get(&u16::from_le_bytes(*id)) {
             None => return malformed("a message belongs to no topic"),
             Some(None) => return Ok(()),
-            Some(Some((group, content))) => (&mut self.groups[*group], content),
+            Some(Some((group, layout))) => (&mut self.groups[*group], layout),
         };
-        let taken = match content {
-            Content::Sample(layout) => {
-                layout.sample(data, &mut self.numbers).map(|sample| group.rows.push(sample))
-            }
-            Content::Batch(batch) => batch.take(data, &mut group.rows, &mut self.numbers),
-        };
+        let taken = layout.take(data, &mut group.rows, &mut self.numbers);
         taken.map_or_else(|| damaged(&format!("a message of {}", group.name)), Ok)
     }
 
@@ -301,46 +254,6 @@ fn number(kind: &str) -> Option<&'static Number> {
         "double" => "f8",
         _ => return None,
     })
-}
-
-impl Batch {
-    /// The places of the numbers of a topic, if all its fields are there.
-    fn new(fields: &HashMap<String, Place>, at: usize) -> Option<Batch> {
-        let place = |name: &str| fields.get(name).copied();
-        let of_axis = |axis: &str| (0..).map_while(|i| place(&format!("{axis}[{i}]"))).collect::<Vec<_>>();
-        let axes = AXES.map(of_axis);
-        let most = axes.iter().map(Vec::len).min()?;
-        let [x, y, z] = axes.each_ref().map(|axis| axis.first().copied());
-        Some(Batch {
-            time: place("timestamp_sample")?,
-            step: place("dt")?,
-            scale: place("scale")?,
-            count: place("samples")?,
-            axes: [x?, y?, z?],
-            most,
-            at,
-        })
-    }
-
-    /// Adds the samples of a message to those before, if it is long enough. `numbers` is used in between.
-    fn take(&self, data: &[u8], rows: &mut Vec<Sample>, numbers: &mut Vec<f64>) -> Option<()> {
-        let mut number = |place: &Place| place.read(data, numbers);
-        let (time, step, scale) = (number(&self.time)?, number(&self.step)?, number(&self.scale)?);
-        let count = number(&self.count).filter(|count| (0.0..=self.most as f64).contains(count))?;
-        // From the batch before, unless one was lost between.
-        let passed = rows.last().map_or(0.0, |last| time - last[0]) / count;
-        let step = if passed > 0.5 * step && passed < 1.5 * step { passed } else { step };
-        for i in 0..count as usize {
-            let mut sample = [f64::NAN; 7];
-            sample[0] = time - (count - 1.0 - i as f64) * step;
-            for (axis, slot) in self.axes.iter().zip(&mut sample[self.at..]) {
-                let place = Place { start: axis.start + i * axis.number.size, ..*axis };
-                *slot = scale * number(&place)?;
-            }
-            rows.push(sample);
-        }
-        Some(())
-    }
 }
 
 #[cfg(test)]
