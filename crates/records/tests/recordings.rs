@@ -130,6 +130,8 @@ const RECORDINGS: &[Recording] = &[
     Recording { file: "imu.parquet", is_checked: false, ..CHECKED },
     #[cfg(feature = "parquet")]
     Recording { file: "imu_packed.parquet", is_checked: false, ..CHECKED },
+    #[cfg(feature = "parquet")]
+    Recording { file: "imu_lz4.parquet", is_checked: false, ..CHECKED },
     #[cfg(feature = "ros")]
     Recording { file: "imu_bz2.bag", ..CHECKED },
     #[cfg(feature = "ros")]
@@ -183,7 +185,7 @@ fn samples_are_those_of_other_readers() {
 #[test]
 fn nulls_of_a_table_are_missing_samples_and_integers_are_read() {
     let _turn = TURN.lock();
-    for file in ["imu.parquet", "imu_packed.parquet"] {
+    for file in ["imu.parquet", "imu_packed.parquet", "imu_lz4.parquet"] {
         let bytes = bytes_of(file);
         let log = read(&bytes, &["a"], Timing::Step(0.005)).unwrap();
         let known: Vec<f64> = log.channels[0].samples.iter().copied().filter(|x| x.is_finite()).collect();
@@ -192,6 +194,8 @@ fn nulls_of_a_table_are_missing_samples_and_integers_are_read() {
         let counts = read(&bytes, &["count"], Timing::default()).unwrap_err();
         assert!(counts.contains("the unit of `count` is missing"), "{counts}");
     }
+    let packed = read(&bytes_of("brotli.parquet"), &["gx"], Timing::Step(0.005)).unwrap_err();
+    assert!(packed.contains("packed by Brotli") && packed.contains("to_parquet"), "{packed}");
 }
 
 /// The samples of all channels as bits.

@@ -233,6 +233,9 @@ def write_parquet():
     write(table, FOLDER / "imu.parquet", row_group_size=16)
     options = {"compression": "zstd", "data_page_version": "2.0", "use_dictionary": False}
     write(table, FOLDER / "imu_packed.parquet", **options)
+    packing = {name: "gzip" if name.startswith("a") else "lz4" for name in table.column_names}
+    write(table, FOLDER / "imu_lz4.parquet", compression=packing, use_dictionary=False)
+    write(table.select(["gx [rad/s]"]).slice(0, 3), FOLDER / "brotli.parquet", compression="brotli")
 
 
 def ulog_message(kind, body):

@@ -6,7 +6,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bytes::Bytes;
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type};
+use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, Int96};
 use parquet::errors::{ParquetError, Result as Read};
@@ -47,6 +47,14 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     // On these the library panics.
     if places.flatten().any(|place| place < 0) {
         return Err(refused(&file, "a column has a place before the file"));
+    }
+    let unknown = chunks().find_map(|chunk| match chunk.compression() {
+        Compression::BROTLI(_) => Some("Brotli"),
+        Compression::LZO => Some("LZO"),
+        _ => None,
+    });
+    if let Some(packing) = unknown {
+        return Err(refused(&file, &format!("it is packed by {packing}")));
     }
     let columns = about.file_metadata().schema_descr().columns().iter().enumerate();
     let (names, columns): (Vec<Name>, Vec<Column>) =
