@@ -118,10 +118,9 @@ fn pair(options: &Options, files: [&Path; 2]) -> Result<(), Failure> {
 fn sides(reading: &Reading, files: [&Path; 2]) -> Result<[Read; 2], Failure> {
     let is_noise =
         files.map(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")));
-    let is_curve = [0, 1].map(|i| !is_noise[i] && CurveFile::is_one(files[i]));
+    let is_curve = [0, 1].map(|i| !is_noise[i] && reading.has_curve(files[i]));
     // Options of logs are those of the log beside a curve.
     let has_log = (0..2).any(|i| !is_noise[i] && !is_curve[i]);
-    let is_curve = is_curve.map(|is_curve| is_curve && (has_log || !reading.is_of_log()));
     let requests = reading.requests_of_two()?;
     let [first, _] = &requests;
     if first.columns.len() > 2 || first.units.len() > 2 {
@@ -148,8 +147,7 @@ fn sides(reading: &Reading, files: [&Path; 2]) -> Result<[Read; 2], Failure> {
 
 /// The first file that is a curve.
 fn curve_among(options: &Options) -> Option<&Path> {
-    let is_curve = |path: &&PathBuf| !options.reading.is_of_log() && CurveFile::is_one(path);
-    options.files.iter().find(is_curve).map(PathBuf::as_path)
+    options.files.iter().find(|path| options.reading.has_curve(path)).map(PathBuf::as_path)
 }
 
 /// Gives the noise of each of three units that ran together.

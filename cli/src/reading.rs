@@ -96,7 +96,7 @@ pub struct Reading {
     /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *model rejected*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
-    /// 95 % interval of points of a curve, as in 10%, or length of its record, as in "9 h" [default: that of the file]
+    /// 95 % interval of points of a curve, as in 10%, or length of its record, as in "9 h" with --rate [default: the file's]
     #[arg(help_heading = "Reading the log", long, value_name = "PERCENT|TIME", value_parser = errors)]
     curve_interval: Option<Errors>,
     /// Column of a temperature, by name or number, on which the rate depends: `sagnac allan` reports the dependence, other commands
@@ -263,48 +263,46 @@ impl Reading {
         })
     }
 
-    /// Whether options are given that only logs have, so that a file with the header of a curve is a log all the same.
-    pub fn is_of_log(&self) -> bool {
-        self.binary.is_some() || !self.rate.is_empty() || self.time.is_some() || self.data.is_some()
+    /// Whether a file is a curve: by its content, unless that is given as binary.
+    pub fn has_curve(&self, path: &Path) -> bool {
+        self.binary.is_none() && CurveFile::is_one(path)
     }
 
-    /// Reads the curve at `path`, if the file is one and no option is of logs. Its intervals have this probability if the file does not
-    /// state it.
+    /// Reads the curve at `path`, if the file is one. Its intervals have this probability if the file does not state it.
     ///
     /// # Errors
     /// The curve is refused.
     pub fn curve(&self, path: &Path, confidence: Option<f64>) -> Result<Option<CurveFile>, Failure> {
-        if self.is_of_log() || !CurveFile::is_one(path) {
+        if !self.has_curve(path) {
             return Ok(None);
         }
-        if self.column.len() > 1 || self.unit.len() > 1 {
-            let list = if self.column.len() > 1 { "--column" } else { "--unit" };
+        let lists = [("--column", &self.column), ("--unit", &self.unit), ("--rate", &self.rate)];
+        if let Some((list, _)) = lists.iter().find(|(_, values)| values.len() > 1) {
             let message = format!("{list} has several values, and {} is one curve\ngive one", path.display());
             return Err(Failure::Usage(message));
         }
-        let (column, unit) = (self.column.first(), self.unit.first());
-        self.curve_with(path, confidence, column, unit).map(Some)
+        self.curve_with(path, confidence, lists.map(|(_, values)| values.first())).map(Some)
     }
 
-    /// Reads the curve at `path`, which stands at this place of two sides. A single column is that of a log beside it, and so is a
-    /// single unit unless the curve has none.
+    /// Reads the curve at `path`, which stands at this place of two sides. A single column or rate is that of a log beside it, and so is
+    /// a single unit unless the curve has none.
     ///
     /// # Errors
     /// The curve is refused.
     pub fn curve_at(&self, path: &Path, place: usize, is_beside_log: bool) -> Result<CurveFile, Failure> {
-        let [column, unit] = [&self.column, &self.unit].map(|list| list.get(place).or(list.last()));
-        let is_own = |list: &[String]| !is_beside_log || list.len() > 1;
-        let column = column.filter(|_| is_own(&self.column));
-        let own = unit.filter(|_| is_own(&self.unit));
-        self.curve_with(path, None, column, own).or_else(|_| self.curve_with(path, None, column, unit))
+        let of = |list: &Vec<String>| list.get(place).or(list.last()).cloned();
+        let own = |list: &Vec<String>| of(list).filter(|_| !is_beside_log || list.len() > 1);
+        let [column, unit, rate] = [&self.column, &self.unit, &self.rate].map(own);
+        let with =
+            |unit: Option<&String>| self.curve_with(path, None, [column.as_ref(), unit, rate.as_ref()]);
+        with(unit.as_ref()).or_else(|_| with(of(&self.unit).as_ref()))
     }
 
     fn curve_with(
         &self,
         path: &Path,
         confidence: Option<f64>,
-        column: Option<&String>,
-        unit: Option<&String>,
+        [column, unit, rate]: [Option<&String>; 3],
     ) -> Result<CurveFile, Failure> {
         let request = CurveRequest {
             column: column.cloned(),
@@ -312,6 +310,7 @@ impl Reading {
             time_unit: self.time_unit.clone(),
             confidence,
             errors: self.curve_interval,
+            step_s: rate.map(|rate| step(rate)).transpose()?,
         };
         Ok(CurveFile::read(path, &request)?)
     }
@@ -383,9 +382,13 @@ const RANGE: &str = "set the range of the fit by --fit-from and --fit-to";
 const LEAVE_OUT: &str = "leave it out";
 
 /// The options that need a log, by their names with underscores, with what to do for a curve.
-const OF_LOGS: [(&str, &str); 26] = [
+const OF_LOGS: [(&str, &str); 28] = [
     ("bootstrap", LEAVE_OUT),
     ("compensate", LEAVE_OUT),
+    (
+        "data",
+        "a curve is of deviations of the rate, whose unit is given by --unit; if the file is a log, rename its column of `tau`",
+    ),
     ("decimal", LEAVE_OUT),
     ("detrend", "give the terms of the fit without R, as in --fit Q,N,B,K"),
     ("deviation", "choose the column of an Allan deviation by --column"),
@@ -407,6 +410,10 @@ const OF_LOGS: [(&str, &str); 26] = [
     ("temperature", LEAVE_OUT),
     ("temperature_terms", LEAVE_OUT),
     ("temperature_unit", LEAVE_OUT),
+    (
+        "time",
+        "its averaging times are its column of `tau`, whose unit is given by --time-unit; if the file is a log, rename that column",
+    ),
     ("unit_check", LEAVE_OUT),
     ("until", RANGE),
     // Of `model`; that of `allan` is the probability of intervals in a file that does not state it.
@@ -457,13 +464,12 @@ impl Args for Given {
 mod tests {
     use super::*;
 
-    /// The options that a curve has, and those that make its file a log.
-    const OF_CURVES: [&str; 31] = [
+    /// The options that a curve has, and the one that makes its file a log.
+    const OF_CURVES: [&str; 29] = [
         "binary",
         "column",
         "confidence",
         "curve_interval",
-        "data",
         "files",
         "file",
         "fit",
@@ -483,7 +489,6 @@ mod tests {
         "quiet",
         "rate",
         "states",
-        "time",
         "time_unit",
         "to",
         "unit",

@@ -11,7 +11,7 @@ use sagnac_kernel::width::Width;
 use sagnac_records::allan::{Angles, Unit};
 use sagnac_records::events::{Event, Events, What};
 use sagnac_records::fit::{
-    Coefficient, Described, Fit, FitError, Fitting, Quantity, RankedModel, Terms, Verdict, describe,
+    Coefficient, Curve, Described, Fit, FitError, Fitting, Quantity, RankedModel, Terms, Verdict, describe,
     describe_without_shortest, is_fast, ranking, room_for_correlation, survival, white_beside_correlation,
     with_correlation,
 };
@@ -150,7 +150,7 @@ impl DataSheet {
         intervals: Intervals,
         simulator: Option<&dyn Simulator>,
     ) -> Result<DataSheet, String> {
-        let mut noise = Noise::of(events, asked).map_err(|error| error.to_string())?;
+        let noise = Noise::of(events, asked).map_err(|error| error.to_string())?;
         let described = &noise.described;
         let realized = match intervals.records {
             0 => Ok(described.fit.clone()),
@@ -160,6 +160,27 @@ impl DataSheet {
             let without = Some(format!("the fit cannot be simulated: {why}"));
             (described.fit.clone(), Intervals { records: 0, without })
         });
+        DataSheet::judged(noise, fit, intervals, asked, unit)
+    }
+
+    /// The noise of a record of which only the curve is known, with intervals in closed form.
+    ///
+    /// # Errors
+    /// It fails where [`DataSheet::new`] does.
+    pub(crate) fn of_curve(curve: &Curve, asked: &Fitting, unit: Unit) -> Result<DataSheet, String> {
+        let noise = Noise::of_curve(curve, asked).map_err(|error| error.to_string())?;
+        let (fit, intervals) = (noise.described.fit.clone(), Intervals { records: 0, without: None });
+        DataSheet::judged(noise, fit, intervals, asked, unit)
+    }
+
+    fn judged(
+        mut noise: Noise,
+        fit: Fit,
+        intervals: Intervals,
+        asked: &Fitting,
+        unit: Unit,
+    ) -> Result<DataSheet, String> {
+        let described = &noise.described;
         let ranking = if described.is_described { ranking(described) } else { Ok(vec![]) };
         let ranking = ranking.map_err(|error| error.to_string())?;
         let fit = noise.judged(noise.described.fitter.with_inverted_times(fit), asked.is_forced);
@@ -261,7 +282,8 @@ const MIN_P: f64 = 1e-5;
 
 /// The noise of a record without its events.
 pub(crate) struct Noise<'a> {
-    events: &'a Events<'a>,
+    /// Absent where only the curve of the record is known.
+    events: Option<&'a Events<'a>>,
     /// The fit over the τ that its terms describe.
     pub described: Described,
     /// The events that the fit and the spectrum show besides those of the record.
@@ -277,35 +299,46 @@ impl Noise<'_> {
     /// fit leaves out the shortest τ. Where noise with a correlation time explains the record better than flicker noise, or white
     /// noise alone, it is a part of the fit.
     pub(crate) fn of<'a>(events: &'a Events, asked: &Fitting) -> Result<Noise<'a>, FitError> {
-        let curve = asked.curve(&events.without)?;
-        let mut described = describe(&curve, asked)?;
+        Noise::new(Some(events), &asked.curve(&events.without)?, asked)
+    }
+
+    /// Fits the terms to the curve of a record that is not at hand.
+    pub(crate) fn of_curve(curve: &Curve, asked: &Fitting) -> Result<Noise<'static>, FitError> {
+        Noise::new(None, curve, asked)
+    }
+
+    fn new<'a>(
+        events: Option<&'a Events<'a>>,
+        curve: &Curve,
+        asked: &Fitting,
+    ) -> Result<Noise<'a>, FitError> {
+        let mut described = describe(curve, asked)?;
         let mut shown = vec![];
         let is_chosen = matches!(asked.terms, Terms::Auto(_)) && described.is_described;
         // Bridges over gaps are smoother than noise.
-        let is_whole = events.without.bridged().share > MIN_SHARE;
-        if let (Some(density), None, true) = (&events.density, asked.from_s, is_chosen && is_whole)
+        let whole = events.filter(|events| is_chosen && events.without.bridged().share > MIN_SHARE);
+        if let (Some(density), None) = (whole.and_then(|events| events.density.as_ref()), asked.from_s)
             && contradicts(density, &described.fit)
         {
             shown.push(Event::new(What::Filter));
-            if described.fit.tau_range[0] <= 1.01 * events.without.step_s {
+            if described.fit.tau_range[0] <= 1.01 * curve.sample_s() {
                 let agrees = |fit: &Fit| !contradicts_range(density, fit);
-                described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);
+                described = describe_without_shortest(curve, asked, agrees).unwrap_or(described);
             }
         }
         let has_slow = !described.fit.process.parts.iter().all(|part| is_fast(part.term));
-        let is_telegraph = events.explains.is_telegraph;
-        let time_s = match is_chosen && has_slow && !is_telegraph {
-            true => events.correlation_time_s(described.fit.tau_range[0]),
-            false => None,
-        };
+        let is_telegraph = events.is_some_and(|events| events.explains.is_telegraph);
+        let time_s = events
+            .filter(|_| is_chosen && has_slow && !is_telegraph)
+            .and_then(|events| events.correlation_time_s(described.fit.tau_range[0]));
         // Telegraph noise has the curve of Markov noise. What is correlated within a block only adds to white noise at long τ.
         let is_unknown = is_chosen && shown.is_empty() && !is_telegraph && time_s.is_none();
-        let room = if is_unknown { room_for_correlation(&curve, &described) } else { None };
+        let room = if is_unknown { room_for_correlation(curve, &described) } else { None };
         let other = match has_slow {
             true if is_chosen && is_telegraph || time_s.is_some() => {
                 with_correlation(described.fitter.curve(), asked)
             }
-            false if room.is_some() => with_correlation(&curve, asked),
+            false if room.is_some() => with_correlation(curve, asked),
             _ => None,
         };
         if !is_telegraph && (time_s.is_some() || other.is_some()) {
@@ -340,7 +373,7 @@ impl Noise<'_> {
                 let below = found.interval.map(|ends| ends[1]);
                 *found = found.without_value(Verdict::NotIdentifiable { below });
                 self.is_hump |= term == Term::Quantization;
-                let other = self.other(term).filter(|_| !self.events.explains.is_telegraph);
+                let other = self.other(term).filter(|_| !self.is_telegraph());
                 let event = other.map(|other| Event { instead_of: Some(term), ..other.clone() });
                 self.shown.extend(event);
             }
@@ -351,22 +384,29 @@ impl Noise<'_> {
     /// Whether an event explains a term as well.
     pub(crate) fn explains(&self, term: Term) -> bool {
         let shows = |what: What| self.shown.iter().any(|event| event.what == what);
-        let is_telegraph = self.events.explains.is_telegraph;
+        let is_telegraph = self.is_telegraph();
         let fit = &self.described.fit;
         let is_found = fit.process.parts.iter().any(|part| part.term == term);
+        let is_hump = || self.events.is_some_and(|events| is_hump(events, fit));
         match term {
-            Term::Quantization => shows(What::Filter) || is_found && is_hump(self.events, fit),
+            Term::Quantization => shows(What::Filter) || is_found && is_hump(),
             Term::BiasInstability => is_telegraph || shows(What::Correlated),
             Term::RateRandomWalk => is_telegraph || self.other(term).is_some(),
             _ => self.other(term).is_some(),
         }
     }
 
+    /// Whether the record jumps between levels.
+    fn is_telegraph(&self) -> bool {
+        self.events.is_some_and(|events| events.explains.is_telegraph)
+    }
+
     /// The event that may be there in place of a term.
     fn other(&self, term: Term) -> Option<&Event> {
+        let explains = &self.events?.explains;
         match term {
-            Term::RateRandomWalk => self.events.explains.walk.as_ref(),
-            Term::RateRamp => self.events.explains.ramp.as_ref(),
+            Term::RateRandomWalk => explains.walk.as_ref(),
+            Term::RateRamp => explains.ramp.as_ref(),
             _ => None,
         }
     }

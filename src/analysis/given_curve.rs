@@ -1,24 +1,28 @@
 //! The noise of a curve that was read from a file instead of computed from a log: coefficients, answer and charts.
+//!
+//! Where the length and the sampling interval of its record are known, the fit is that of the record, with the covariance of its
+//! overlapping estimates in closed form. Else the points are independent.
 
 use std::path::{Path, PathBuf};
 
-use crate::analysis::data_sheet::DataSheet;
+use crate::analysis::data_sheet::{DataSheet, Noise};
 use crate::analysis::log::figures::{along, label};
 use crate::analysis::log::report::{coefficients_of, curves, in_run_bias_stability};
-use crate::analysis::log::{Column, Curve, noise_file};
+use crate::analysis::log::{self, Column, noise_file};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use crate::analysis::spectrum::report::of_fit;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::table::Table;
 use sagnac_engine::key::sweep::Scale;
 use sagnac_records::allan::{Minimum, Overdispersion, Point, Supposed};
+use sagnac_records::fit::curve::factors;
 use sagnac_records::fit::points::fit_points;
-use sagnac_records::fit::{Fit, FitError, Fitting, Quantity};
-use sagnac_records::record::curve_file::{CurveFile, CurvePoint};
+use sagnac_records::fit::{Curve, Fit, FitError, Fitting, Quantity};
+use sagnac_records::record::curve_file::{CurveFile, CurvePoint, Record};
 use sagnac_records::record::log::outliers::Outliers;
 use sagnac_report::answer::Fact;
 use sagnac_report::chart::figure::{self, Axis, Figure, Mark, Parts, Series, SeriesPoint};
-use sagnac_theory::allan::{Part, Term, continuous_variance};
+use sagnac_theory::allan::{Difference, Part, Term, continuous_variance};
 
 /// Largest error of a point, in parts of it, that counts: one of a variance with 8 degrees of freedom. At longer τ estimates of a
 /// record are so skewed that most are low.
@@ -41,9 +45,13 @@ impl Analysis {
     /// Fits a curve that was read from `path`.
     pub fn new(file: CurveFile, path: &Path, fitting: Option<&Fitting>) -> Analysis {
         let counted = counted(&file.points);
-        let noise = fitting.map(|fitting| {
-            let fit = fit_of(&counted, fitting);
-            fit.map(|fit| DataSheet::of_points(fit, file.unit)).map_err(|error| error.to_string())
+        let noise = fitting.map(|fitting| match file.record {
+            Some(record) => curve_of(&file.points, record, fitting)
+                .map_err(|error| error.to_string())
+                .and_then(|curve| DataSheet::of_curve(&curve, fitting, file.unit)),
+            None => fit_of(&counted, fitting)
+                .map(|fit| DataSheet::of_points(fit, file.unit))
+                .map_err(|error| error.to_string()),
         });
         let point = |point: &CurvePoint| Point {
             m: 0,
@@ -72,7 +80,7 @@ impl Analysis {
             mean_rate: None,
             spread: Overdispersion::default(),
             slope: 0.0,
-            curves: vec![Curve { deviation: file.deviation, points, minimum }],
+            curves: vec![log::Curve { deviation: file.deviation, points, minimum }],
             noise: noise.transpose(),
         };
         Analysis { path: path.to_owned(), file, column }
@@ -91,7 +99,9 @@ impl Analysis {
     /// # Errors
     /// There are fewer points than terms.
     pub(crate) fn fit_of(&self, fitting: &Fitting) -> Result<Fit, FitError> {
-        fit_of(&counted(&self.file.points), fitting)
+        let Some(record) = self.file.record else { return fit_of(&counted(&self.file.points), fitting) };
+        let mut noise = Noise::of_curve(&curve_of(&self.file.points, record, fitting)?, fitting)?;
+        Ok(noise.judged(noise.described.fit.clone(), fitting.is_forced))
     }
 
     /// The points with the degrees of freedom that follow from their errors.
@@ -110,10 +120,10 @@ impl Analysis {
     /// The answer, with the judgements of the limits.
     pub fn decision(&self, limits: &[Limit]) -> Decision {
         let least = self.column.minimum();
-        let row = |(curve, least): (&Curve, &Minimum)| {
+        let row = |(curve, least): (&log::Curve, &Minimum)| {
             in_run_bias_stability(self.column.unit, curve.deviation, least)
         };
-        let tau_s = |(_, least): (&Curve, &Minimum)| (!least.at_end).then_some(least.point.tau_s);
+        let tau_s = |(_, least): (&log::Curve, &Minimum)| (!least.at_end).then_some(least.point.tau_s);
         let subject = Subject {
             label: &self.column.name,
             unit: self.column.unit,
@@ -131,14 +141,15 @@ impl Analysis {
         decision.answer.facts.extend(self.file.is_assumed.then(assumed));
         // Estimates of one record are correlated by their noise, which a file of points does not state.
         let independent = "points are taken as independent; their log would give wider intervals";
-        decision.answer.facts.extend(self.fit().map(|_| Fact::caveat(independent)));
+        let without = self.fit().filter(|_| self.file.record.is_none());
+        decision.answer.facts.extend(without.map(|_| Fact::caveat(independent)));
         decision
     }
 
     /// Notes on what was read and on the fit.
     pub fn notes(&self) -> Vec<String> {
         let left_out = self.file.points.len() - counted(&self.file.points).len();
-        let left_out = (left_out > 0).then(|| {
+        let left_out = (left_out > 0 && self.file.record.is_none()).then(|| {
             let percent = significant(100.0 * MAX_ERROR, 2);
             format!("{left_out} points with a standard error above {percent} % are shown and not fitted")
         });
@@ -152,6 +163,10 @@ impl Analysis {
             )
         });
         let failed = self.column.noise.as_ref().err().map(|why| format!("no coefficients: {why}"));
+        let of_record = self.file.record.and(self.fit()).map(|_| {
+            "the fit is that of the record: at octaves of τ up to an eighth of it, with the covariance of its estimates in closed form"
+                .to_owned()
+        });
         let first_s = counted(&self.file.points).first().map_or(0.0, |point| point.tau_s);
         let cut = self.fit().filter(|fit| fit.tau_range[0] > first_s * (1.0 + 1e-9)).map(|fit| {
             let from = significant(fit.tau_range[0], 4);
@@ -159,7 +174,10 @@ impl Analysis {
         });
         let of_file = self.file.notes.iter().cloned();
         let of_files = noise_file::notes_of(std::slice::from_ref(&self.column));
-        of_file.chain([left_out, misfit, failed, cut].into_iter().flatten()).chain(of_files).collect()
+        of_file
+            .chain([of_record, left_out, misfit, failed, cut].into_iter().flatten())
+            .chain(of_files)
+            .collect()
     }
 
     /// The text of the noise.toml; `None` without coefficients, or if the curve is not of rotation.
@@ -269,6 +287,32 @@ fn counted(points: &[CurvePoint]) -> Vec<CurvePoint> {
     let is_known = |point: &&CurvePoint| point.error <= MAX_ERROR;
     let known: Vec<CurvePoint> = points.iter().filter(is_known).copied().collect();
     if known.is_empty() { points.to_vec() } else { known }
+}
+
+/// The curve of a record for its fit: its points at octaves of τ, or near, up to an eighth of the record if the fit has no other end.
+///
+/// # Errors
+/// There are too few points, or the record is too long for a fit.
+fn curve_of(points: &[CurvePoint], record: Record, fitting: &Fitting) -> Result<Curve, FitError> {
+    let octaves = factors(usize::try_from(record.samples).unwrap_or(usize::MAX));
+    let most = octaves.last().map_or(1, |most| *most as u64);
+    let is_within = |tau_s: f64, m: u64| {
+        fitting.from_s.is_none_or(|from_s| tau_s > from_s * (1.0 - 1e-9))
+            && fitting.to_s.map_or(m <= most, |to_s| tau_s < to_s * (1.0 + 1e-9))
+    };
+    let (mut ms, mut variances) = (vec![], vec![]);
+    for point in points {
+        let Some(m) = record.factor(point.tau_s).filter(|&m| is_within(point.tau_s, m)) else { continue };
+        if ms.last().is_none_or(|last| m >= 2 * last) {
+            ms.push(m);
+            variances.push(point.value * point.value);
+        }
+    }
+    let (points, parameters) = (ms.len(), fitting.terms.fewest_parameters());
+    match points < parameters {
+        true => Err(FitError::TooFewPoints { points, parameters }),
+        false => Curve::new(record.step_s, record.samples, Difference::Second, ms, variances),
+    }
 }
 
 fn fit_of(points: &[CurvePoint], fitting: &Fitting) -> Result<Fit, FitError> {

@@ -1,5 +1,7 @@
 //! `sagnac allan`, `sagnac model` and `sagnac compare` on curves of other tools.
 
+use std::collections::BTreeMap;
+
 use crate::desk::{Desk, number};
 
 /// A record of white and flicker noise, by the program itself.
@@ -39,6 +41,40 @@ fn a_curve_that_was_written_from_a_log_gives_its_coefficients_again() {
     assert!(model.contains("white noise N"), "{model}");
 }
 
+/// Curves whose record is known have the coefficients of that record, and its intervals in closed form.
+#[test]
+fn the_curve_of_a_known_record_gives_the_coefficients_of_its_log() {
+    let desk = Desk::with("");
+    desk.write("noise.toml", NOISE);
+    desk.done("simulate noise.toml --rate 2Hz --length 9h --out records");
+    desk.done("allan records/record_00000.csv --bootstrap 0 --out log");
+    // Beside the whole curve, one without numbers of differences, and one with ten τ in a decade.
+    let rows = desk.table("log/curve.csv");
+    let row = |row: &BTreeMap<String, String>| format!("{},{}\n", row["tau_s"], row["value"]);
+    let plain: String = rows.iter().map(row).collect();
+    desk.write("plain.csv", &format!("tau [s],oadev [deg/h]\n{plain}"));
+    desk.done("allan records/record_00000.csv --bootstrap 0 --tau decade10 --out decade");
+    for (command, tolerance) in [
+        ("log/curve.csv", 1e-6),
+        ("plain.csv --curve-interval 9h --rate 2Hz", 1e-6),
+        ("decade/curve.csv", 0.1),
+    ] {
+        let shown = desk.full(&format!("allan {command} --out again"));
+        let said = shown.stdout + &shown.stderr;
+        assert!(said.contains("one record of 64800 samples") && !said.contains("independent"), "{said}");
+        for name in ["N", "B", "K"] {
+            let (log, again) = (coefficient(&desk, "log", name), coefficient(&desk, "again", name));
+            for (log, again) in log.into_iter().zip(again) {
+                let is_same = log.is_nan() && again.is_nan() || (again - log).abs() <= tolerance * log.abs();
+                assert!(is_same, "{command}: {name} is {again}, that of the log {log}");
+            }
+        }
+    }
+    // Without its rate, the points are independent.
+    let shown = desk.full("allan plain.csv --curve-interval 9h --out length");
+    assert!((shown.stdout + &shown.stderr).contains("independent"));
+}
+
 #[test]
 fn a_curve_of_closed_form_gives_its_noise_and_meets_limits() {
     let desk = Desk::with("");
@@ -74,6 +110,12 @@ fn what_a_curve_cannot_give_is_said() {
         ("allan curve.csv --unit deg/h --tau 1,10", 2, "--tau needs a log"),
         ("allan curve.csv --unit deg/h --segment 10s", 2, "--segment needs a log"),
         ("allan curve.csv --unit deg/h --column adev,low", 2, "--column has several values"),
+        ("allan curve.csv --unit deg/h --rate 1Hz", 3, "whose length is missing"),
+        ("allan curve.csv --unit deg/h --rate 1Hz,2Hz", 2, "--rate has several values"),
+        ("allan curve.csv --unit deg/h --rate 1Hz --curve-interval 20s", 3, "has no τ of 16 s"),
+        ("allan curve.csv --unit deg/h --data rate", 2, "--data needs a log"),
+        ("model curve.csv --unit deg/h --time tau", 2, "--time needs a log"),
+        ("compare curve.csv curve.csv --unit deg/h --data rate", 2, "--data needs a log"),
         ("model curve.csv --unit deg/h --remove-events", 2, "--remove-events needs a log"),
         ("model curve.csv --unit deg/h --confidence 0.9", 2, "--confidence needs a log"),
         ("compare curve.csv curve.csv --unit deg/h --temperature t", 2, "--temperature needs a log"),

@@ -120,14 +120,19 @@ impl Options {
         Ok(Treatment::AS_RECORDED.checked(log)?)
     }
 
-    /// The curve in a file, if it has one and no option is of logs.
+    /// The curve in a file, if it has one and is not given as binary.
     fn curve(&self, name: &str, file: Option<&&[u8]>) -> Result<Option<CurveFile>, Refusal> {
         let bytes = bytes_of(file)?;
-        let of_logs = [&self.rate, &self.data, &self.time, &self.binary];
-        if of_logs.iter().any(|option| !option.trim().is_empty()) || !CurveFile::is_in(bytes) {
+        if !self.binary.trim().is_empty() || !CurveFile::is_in(bytes) {
             return Ok(None);
         }
-        self.curve_in(name, bytes, false).map(Some)
+        let of_logs = [("rate", &self.rate), ("data", &self.data), ("time", &self.time)];
+        match of_logs.iter().find(|(_, option)| !option.trim().is_empty()) {
+            Some((option, _)) => Err(Refusal::usage(&format!(
+                "{option} needs a log, and {name} is a curve by its column of `tau`"
+            ))),
+            None => self.curve_in(name, bytes, false).map(Some),
+        }
     }
 
     /// The curve in these bytes. Beside a log, the column is that of the log, and the unit too unless the curve has none.

@@ -195,7 +195,8 @@ impl Analysis {
             Fact::caveat(format!("errors of the points of {label} are assumed: {}", curve.file.errors))
         }));
         let independent = "points of curves are taken as independent; their logs would give wider intervals";
-        facts.extend(curves().next().map(|_| Fact::caveat(independent)));
+        let has_independent = curves().any(|(curve, _)| curve.file.record.is_none());
+        facts.extend(has_independent.then(|| Fact::caveat(independent)));
         facts
     }
 }

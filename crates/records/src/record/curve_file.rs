@@ -27,6 +27,8 @@ const HEAD: u64 = 64 << 10;
 const TIMES: [&str; 4] = ["time", "t", "timestamp", "stamp"];
 /// Half the 95 % interval that points get of which nothing is known, in parts of their values.
 const ASSUMED: f64 = 0.1;
+/// Largest relative difference of an averaging time from a multiple of the sampling interval, as files round it.
+const NEAREST: f64 = 1e-3;
 /// Fewest points of a curve, and most, of which every two have a covariance.
 const MIN_POINTS: usize = 3;
 const MAX_POINTS: usize = 500;
@@ -80,8 +82,33 @@ pub struct CurveFile {
     pub errors: String,
     /// Whether the errors are assumed, because the file states none.
     pub is_assumed: bool,
+    /// The record of which these are the overlapping estimates, if it is known and no errors are given in its place.
+    pub record: Option<Record>,
     /// What was inferred about the file, in a line each.
     pub notes: Vec<String>,
+}
+
+/// The record of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Record {
+    /// Sampling interval, s.
+    pub step_s: f64,
+    /// Number of rates.
+    pub samples: u64,
+}
+
+impl Record {
+    /// The averaging factor of an averaging time, s, if the record has differences of it.
+    pub fn factor(&self, tau_s: f64) -> Option<u64> {
+        let m = libm::round(tau_s / self.step_s);
+        let is_near = libm::fabs(m * self.step_s / tau_s - 1.0) <= NEAREST;
+        (is_near && m >= 1.0 && 2.0 * m <= self.samples as f64).then_some(m as u64)
+    }
+
+    /// Its length, s.
+    pub fn length_s(&self) -> f64 {
+        self.step_s * self.samples as f64
+    }
 }
 
 /// A point of a curve.
@@ -110,6 +137,8 @@ pub struct CurveRequest {
     pub confidence: Option<f64>,
     /// The errors of the points, in place of those that the file states.
     pub errors: Option<Errors>,
+    /// Sampling interval of the record whose length the errors have, s.
+    pub step_s: Option<f64>,
 }
 
 /// The errors of points, as a user gives them.
@@ -395,14 +424,13 @@ impl Reader<'_> {
                     .0
             }
         };
-        let is_count = own.is_none();
         let columns = [
             Some(header.tau),
             Some(value),
             header.beside(&LOWER),
             header.beside(&UPPER),
             header.beside(&ERRORS).filter(|&column| column != value),
-            header.beside(&COUNTS).filter(|_| is_count),
+            header.beside(&COUNTS),
         ];
         let mut rows = lines.iter().map(|line| self.row(line, columns)).collect::<Result<Vec<Row>, _>>()?;
         for row in &mut rows {
@@ -415,7 +443,8 @@ impl Reader<'_> {
         rows.retain(|row| row.value > 0.0);
         let without_value = all - rows.len();
         self.check(&mut rows)?;
-        let (errors, source, is_assumed) = self.errors(&rows);
+        let record = self.record(&rows)?;
+        let (errors, source, is_assumed) = self.errors(&rows, record);
         let mut notes = vec![format!("read as a curve, not as a log: {} points of `{name}`", rows.len())];
         if without_value > 0 {
             notes.push(format!("{without_value} rows without a positive deviation are left out"));
@@ -428,6 +457,12 @@ impl Reader<'_> {
             notes.push(format!("the errors of the points are assumed: {source}; {advice}"));
         } else {
             notes.push(format!("the errors of the points are {source}"));
+        }
+        if let Some(Record { step_s, samples }) = record {
+            let step = significant(step_s, 4);
+            notes.push(format!(
+                "taken as overlapping estimates of one record of {samples} samples, one every {step} s"
+            ));
         }
         let known = errors.iter().filter(|error| error.is_some()).count();
         if known < rows.len() {
@@ -443,7 +478,8 @@ impl Reader<'_> {
             Some(CurvePoint { tau_s: row.tau_s, value: row.value, error, interval })
         };
         let points = rows.iter().zip(errors).filter_map(point).collect();
-        Ok(CurveFile { name, unit: unit.curves, deviation, points, errors: source, is_assumed, notes })
+        let unit = unit.curves;
+        Ok(CurveFile { name, unit, deviation, points, errors: source, is_assumed, record, notes })
     }
 
     /// The column with this name.
@@ -674,8 +710,39 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// The record of the curve: of the length and the sampling interval that are given, or by the numbers of differences.
+    fn record(&self, rows: &[Row]) -> Result<Option<Record>, RecordError> {
+        let refused = |message: String, help: &str| Err(RecordError::new(message, "", help, None));
+        let (step_s, length_s) = match (self.request.step_s, self.request.errors) {
+            (Some(step_s), Some(Errors::Record(length_s))) => (step_s, length_s),
+            (Some(_), _) => {
+                let help = "give its length too, as in `curve_interval = 9h`; if the file is a log, rename its column of `tau`";
+                let message = format!(
+                    "{} is a curve: a rate is that of its record, whose length is missing",
+                    self.file
+                );
+                return refused(message, help);
+            }
+            (None, None) => return Ok(record_of(rows)),
+            (None, Some(_)) => return Ok(None),
+        };
+        let record = Record { step_s, samples: libm::round(length_s / step_s) as u64 };
+        match rows.iter().find(|row| record.factor(row.tau_s).is_none()) {
+            None => Ok(Some(record)),
+            Some(row) => {
+                let [tau, step, length] = [row.tau_s, step_s, length_s].map(|time_s| significant(time_s, 6));
+                let (number, text) = &row.at;
+                let place = Place::new(self.file, *number, text.as_bytes(), 0..text.len());
+                let message =
+                    format!("a record of {length} s with a sample every {step} s has no τ of {tau} s");
+                let help = "τ is a multiple of the sampling interval, up to half the record: give the rate and length of the record";
+                Err(RecordError::new(message, "this row", help, place))
+            }
+        }
+    }
+
     /// The standard error of each point in parts of it, if it has one, their source, and whether they are assumed.
-    fn errors(&self, rows: &[Row]) -> (Vec<Option<f64>>, String, bool) {
+    fn errors(&self, rows: &[Row], record: Option<Record>) -> (Vec<Option<f64>>, String, bool) {
         let of_record = |length_s: f64| {
             // A variance from T/τ groups has a relative variance of about 2τ/T.
             let error = move |row: &Row| Some(libm::sqrt(0.5 * row.tau_s / length_s));
@@ -720,11 +787,11 @@ impl Reader<'_> {
                 return (errors, source, false);
             }
         }
-        match length_of(rows) {
+        match record.map(|record| record.length_s()).or_else(|| length_of(rows)) {
             Some(length_s) => {
                 let source =
                     format!("those of a record of {} s, by the numbers of differences", shown(length_s));
-                (of_record(length_s), source, true)
+                (of_record(length_s), source, record.is_none())
             }
             None => {
                 let source = "95 % intervals of ±10 %";
@@ -734,19 +801,25 @@ impl Reader<'_> {
     }
 }
 
-/// Length of the record of a curve by its numbers of differences, s: those of overlapping groups fall along a line, N − 2m, and others
-/// as 1/τ.
+/// Length of the record of a curve by its numbers of differences, s, if those of adjacent groups fall as 1/τ.
 fn length_of(rows: &[Row]) -> Option<f64> {
     let (first, last) = (rows.first()?, rows.last()?);
-    if !(first.count > last.count && last.count >= 1.0) {
-        return None;
-    }
-    let turns = (first.count + 1.0) * first.tau_s / ((last.count + 1.0) * last.tau_s);
-    if (0.5..2.0).contains(&turns) {
-        return Some((first.count + 1.0) * first.tau_s);
-    }
+    let [start_s, end_s] = [first, last].map(|row| (row.count + 1.0) * row.tau_s);
+    let is_one = first.count > last.count && last.count >= 1.0 && (0.5..2.0).contains(&(start_s / end_s));
+    is_one.then_some(start_s)
+}
+
+/// The record of a curve by its numbers of differences, if those are the N + 1 − 2m of overlapping groups of m of N samples.
+fn record_of(rows: &[Row]) -> Option<Record> {
+    let (first, last) = (rows.first()?, rows.last()?);
     let step_s = 2.0 * (last.tau_s - first.tau_s) / (first.count - last.count);
-    Some((first.count - 1.0) * step_s + 2.0 * first.tau_s)
+    let samples = first.count + 2.0 * libm::round(first.tau_s / step_s) - 1.0;
+    let record = Record { step_s: 2.0 * last.tau_s / (samples + 1.0 - last.count), samples: samples as u64 };
+    let is_of = |row: &Row| {
+        let m = record.factor(row.tau_s);
+        m.is_some_and(|m| row.count + 2.0 * m as f64 == samples + 1.0)
+    };
+    rows.iter().all(is_of).then_some(record)
 }
 
 /// A number, with a point or a comma before its decimals.
@@ -792,7 +865,8 @@ mod tests {
             ("# tau adev\n1 3\n10 1\n100 0.3\n", "deg/h", 3.0, 0.051, true),
             ("σ(τ) [°/h]\tτ [min]\n1\t1\n0.5\t2\n0.2\t4\n", "", 1.0, 0.051, true),
             ("tau,sigma\ns,deg/h\n100,0.3\n10,0.1\n1,1\n", "", 1.0, 0.051, true),
-            ("tau,oadev,n\n1,1,9999\n10,0.3,9981\n100,0.1,9801\n", "deg/h", 1.0, 0.007_07, true),
+            ("tau,oadev,n\n1,1,9999\n10,0.3,9981\n100,0.1,9801\n", "deg/h", 1.0, 0.007_07, false),
+            ("tau,adev,n\n1,1,9999\n10,0.3,999\n100,0.1,99\n", "deg/h", 1.0, 0.007_07, true),
         ];
         for (text, unit, value, error, is_assumed) in table {
             let curve = read(text, unit);
@@ -808,15 +882,45 @@ mod tests {
         let text = "STATISTICS FOR FILE: PHASE.DAT\n Sigma Type: Overlapping Allan\n Confidence Factor = 0.683\n\n\
                     \x20 AF        Tau         #    Alpha  Min Sigma      Sigma         Max Sigma\n\
                     \x20   1   1.0000e+00      998     0   2.8670e-01    2.9439e-01     3.0274e-01\n\
-                    \x20   2   2.0000e+00      995     0   1.9726e-01    2.0297e-01     2.0922e-01\n\
-                    \x20   4   4.0000e+00      989     0   1.3744e-01    1.4252e-01     1.4821e-01\n";
+                    \x20   2   2.0000e+00      996     0   1.9726e-01    2.0297e-01     2.0922e-01\n\
+                    \x20   4   4.0000e+00      992     0   1.3744e-01    1.4252e-01     1.4821e-01\n";
         let curve = read(text, "deg/h");
         assert_eq!((curve.deviation, curve.points[2].value), (Deviation::Oadev, 0.14252));
+        assert_eq!(curve.record, Some(Record { step_s: 1.0, samples: 999 }));
         // A ratio of ends of 1.056 is two standard errors.
         assert!((curve.points[0].error / 0.0272 - 1.0).abs() < 0.01, "{:?}", curve.points[0]);
         let hadamard = text.replace("Overlapping Allan", "Hadamard");
         let error = CurveFile::parse("c.csv", &hadamard, &request("deg/h")).unwrap_err().render(false, 120);
         assert!(error.contains("Hadamard deviation"), "{error}");
+    }
+
+    #[test]
+    fn the_record_of_a_curve_follows_from_its_counts_or_is_given() {
+        // Times of 0.3 s, rounded; at the end a count that is off by one, and counts of adjacent groups.
+        let text = |last: u32| format!("tau,oadev,n\n0.6,1,9997\n3,1,9981\n99.91,1,{last}\n");
+        let record = read(&text(9335), "deg/h").record;
+        assert!(record.is_some_and(|record| record.samples == 10_000 && (record.step_s - 0.3).abs() < 1e-4));
+        assert_eq!(read(&text(9334), "deg/h").record, None);
+        assert_eq!(read("tau,adev,n\n1,1,9999\n10,0.3,999\n100,0.1,99\n", "deg/h").record, None);
+        let given = |text: &str, step_s, errors| {
+            CurveFile::parse("c.csv", text, &CurveRequest { step_s, errors, ..request("deg/h") })
+        };
+        let plain = "tau,adev\n0.5,1\n10,0.3\n100,0.1\n";
+        let found = given(plain, Some(0.1), Some(Errors::Record(1000.0))).unwrap();
+        assert_eq!(found.record, Some(Record { step_s: 0.1, samples: 10_000 }));
+        assert_eq!(found.record.and_then(|record| record.factor(0.5)), Some(5));
+        let only_length = given(plain, None, Some(Errors::Record(1000.0))).unwrap();
+        assert_eq!((only_length.record, only_length.is_assumed), (None, false));
+        assert_eq!(given(&text(9335), None, Some(Errors::Part(0.1))).unwrap().record, None);
+        for (step_s, errors, piece) in [
+            (0.4, Some(Errors::Record(1000.0)), "has no τ of 0.5 s"),
+            (0.1, Some(Errors::Record(150.0)), "has no τ of 100 s"),
+            (0.1, None, "whose length is missing"),
+            (0.1, Some(Errors::Part(0.1)), "whose length is missing"),
+        ] {
+            let error = given(plain, Some(step_s), errors).unwrap_err().render(false, 200);
+            assert!(error.contains(piece), "{piece} is missing in {error}");
+        }
     }
 
     #[test]
