@@ -44,6 +44,9 @@ const DEFINITIONS: [&str; 2] = ["ros2msg", "ros1msg"];
 /// Longest record or chunk, in bytes.
 const MAX_MCAP_RECORD: usize = 1 << 27;
 
+/// Bytes read at a time: the library takes memory for any length that a damaged record claims.
+const MAX_READ: usize = 1 << 20;
+
 /// Reads all messages of the file.
 pub(crate) fn open_mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let (file, mut messages) = (source.file.clone(), Messages::default());
@@ -66,7 +69,7 @@ pub(crate) fn take_mcap(source: Source<'_>, messages: &mut Messages) -> Result<(
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
             LinearReadEvent::ReadRequest(count) => {
-                let read = bytes.read(reader.insert(count.min(MAX_MCAP_RECORD)));
+                let read = bytes.read(reader.insert(count.min(MAX_READ)));
                 reader.notify_read(read.map_err(|error| RecordError::unreadable(&file, &error))?);
             }
             LinearReadEvent::Record { data, opcode } => {
