@@ -472,8 +472,8 @@ pub(crate) struct Messages {
     others: Vec<String>,
     /// Why messages with samples cannot be read.
     unread: Vec<String>,
-    /// What was inferred, in a line each.
-    notes: Vec<String>,
+    /// Topics with messages of PX4 that are read without their definitions.
+    supposed: Vec<String>,
 }
 
 impl Messages {
@@ -506,11 +506,7 @@ impl Messages {
             let (unit, vectors, name) = (reader.unit(), reader.topic.vectors(), topic.to_owned());
             self.topics
                 .insert(topic.to_owned(), Group { name, kind: kind.clone(), unit, vectors, rows: vec![] });
-            if reader.is_supposed {
-                self.notes.push(format!(
-                    "the recording has no definition of {kind}: {topic} is read as PX4 1.12 to 1.18 write it"
-                ));
-            }
+            self.supposed.extend(reader.is_supposed.then(|| topic.to_owned()));
         }
         let Some(group) = self.topics.get_mut(topic).filter(|group| group.kind == *kind) else {
             return malformed(&format!("{topic} has messages of several types"));
@@ -528,7 +524,13 @@ impl Messages {
     pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
         let groups = self.topics.into_values().collect();
         let unread = self.unread.iter().map(|why| format!("a topic is not read: {why}"));
-        let notes = unread.chain(self.notes).collect();
+        let supposed = (!self.supposed.is_empty()).then(|| {
+            let topics = self.supposed.join(", ");
+            format!(
+                "the recording has no definitions of messages of PX4, which are read as versions 1.12 to 1.18 write them: {topics}"
+            )
+        });
+        let notes = unread.chain(supposed).collect();
         Groups::open(file, groups, notes, || match &self.unread[..] {
             [] => {
                 let message =
