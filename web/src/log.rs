@@ -126,12 +126,18 @@ impl Options {
         if !self.binary.trim().is_empty() || !CurveFile::is_in(bytes) {
             return Ok(None);
         }
+        self.check_curve(name)?;
+        self.curve_in(name, bytes, false).map(Some)
+    }
+
+    /// Refuses options that a curve has not.
+    fn check_curve(&self, name: &str) -> Result<(), Refusal> {
         let of_logs = [("rate", &self.rate), ("data", &self.data), ("time", &self.time)];
         match of_logs.iter().find(|(_, option)| !option.trim().is_empty()) {
             Some((option, _)) => Err(Refusal::usage(&format!(
                 "{option} needs a log, and {name} is a curve by its column of `tau`"
             ))),
-            None => self.curve_in(name, bytes, false).map(Some),
+            None => Ok(()),
         }
     }
 
@@ -345,6 +351,9 @@ impl TwoLogs {
         let [a, b] = &self.names;
         let is_curve = [0, 1].map(|place| files.get(place).is_some_and(|file| CurveFile::is_in(file)));
         let is_beside_log = is_curve.contains(&false);
+        if !is_beside_log {
+            self.options.check_curve(a)?;
+        }
         let read = |place: usize| -> Result<Read, Refusal> {
             let (name, file) = (&self.names[place], files.get(place));
             Ok(match is_curve[place] {
