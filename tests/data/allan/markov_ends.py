@@ -1,4 +1,4 @@
-"""Intervals of a correlation time by test inversion, from dense matrices, for crates/records/src/fit/times.rs. Needs NumPy and SciPy.
+"""Intervals of Markov noise by test inversion, from dense matrices, for crates/records/src/fit/times.rs. Needs NumPy and SciPy.
 
 The record has 512 samples of 2 s of white noise with N = 1 and Markov noise. The covariance of two overlapping Allan variances is
 2 tr(A C B C), where A and B are their quadratic forms in the rates and C is the covariance of the rates.
@@ -41,8 +41,8 @@ def covariance(squares, time):
     return np.array([[2 * np.sum(a * b.T) for b in products] for a in products])
 
 
-def error(variances, found, time):
-    """Standard error of ln T if it were `time`, with the squares that fit best then."""
+def beside(variances, found, time):
+    """Squares that fit best if T is `time`, and the covariance of the squares and ln T there."""
     # The square of Markov noise that a fit keeps is its variance.
     whitener = np.linalg.inv(np.linalg.cholesky(covariance(found, time)))
     columns = np.stack([column(WHITE), column(markov(time))], axis=1)
@@ -50,16 +50,43 @@ def error(variances, found, time):
     step = 1e-4
     slope = squares[1] * (column(markov(time * np.exp(step))) - column(markov(time * np.exp(-step)))) / (2 * step)
     jacobian = np.column_stack([columns, slope])
-    return np.sqrt(np.linalg.inv(jacobian.T @ np.linalg.solve(covariance(squares, time), jacobian))[2, 2])
+    weighted = jacobian.T @ np.linalg.inv(covariance(squares, time))
+    inverse = np.linalg.inv(weighted @ jacobian)
+    return squares, inverse, inverse @ weighted
+
+
+def interval(found, time):
+    """Interval of the variance of Markov noise from the fit at this T, which it takes as the outcome at both quantiles."""
+    row = beside(found[0] * column(WHITE) + found[1] * column(markov(time)), found, time)[2][1]
+    # The scatter of Markov noise alone is that of a χ² of 2/v₂ degrees of freedom.
+    v2 = row @ covariance([0, 1], time) @ row
+
+    def beyond(square, sigmas):
+        deviation = np.sqrt(row @ covariance([found[0], square], time) @ row)
+        skewness = min(2 * v2**2 * (square / deviation) ** 3, np.sqrt(2))
+        return square + deviation * (sigmas + (sigmas**2 - 1) / 6 * skewness) - found[1]
+
+    z = norm.ppf(0.975)
+    return brentq(beyond, 1e-6, found[1], args=(z,)), brentq(beyond, found[1], 10 * found[1], args=(-z,))
 
 
 for sigma, time in ((1.0, 8.0), (1.0, 14.0), (2.0, 10.0)):
     found = [1.0, sigma**2]
     variances = found[0] * column(WHITE) + found[1] * column(markov(time))
 
-    def beyond(distance, sign):
-        return norm.ppf(0.975) * error(variances, found, time * np.exp(sign * distance)) - distance
+    def error(at):
+        return np.sqrt(beside(variances, found, at)[1][2, 2])
 
-    low, high = (time * np.exp(sign * brentq(beyond, 0, 1.5, args=(sign,))) for sign in (-1, 1))
-    plain = np.exp(norm.ppf(0.975) * error(variances, found, time))
-    print(f"({sigma}, {time}, [{low:.4f}, {high:.4f}]), beside {time / plain:.4f} and {time * plain:.4f} by the error at {time}")
+    def beyond(distance, sign):
+        return norm.ppf(0.975) * error(time * np.exp(sign * distance)) - distance
+
+    low, high = (time * np.exp(sign * brentq(beyond, 0, 1.5, args=(sign,), xtol=1e-6)) for sign in (-1, 1))
+    plain = np.exp(norm.ppf(0.975) * error(time))
+    ends = []
+    for own, at, sign in zip(interval(found, time), (low, high), (-1, 1)):
+        squares, inverse, _ = beside(variances, found, at)
+        known = np.sqrt(inverse[1, 1] - inverse[1, 2] ** 2 / inverse[2, 2]) / squares[1]
+        free = np.sqrt(beside(variances, found, time)[1][1, 1]) / found[1]
+        distance = np.hypot(np.log(own / found[1]) * known / free, np.log(squares[1] / found[1]))
+        ends.append(sigma * np.exp(sign * distance / 2))
+    print(f"({sigma}, {time}, [{ends[0]:.4f}, {ends[1]:.4f}], [{low:.4f}, {high:.4f}]), beside {time / plain:.4f} and {time * plain:.4f} by the error at {time}")

@@ -167,13 +167,18 @@ impl Shape {
     }
 }
 
-/// Standard error of the logarithm of the shape of a term; `None` where other parameters can replace it.
-pub(crate) fn error_of_shape(system: &System, fitted: &[Fitted], term: Term) -> Option<f64> {
+/// Standard errors of the logarithms of the shape of a term, of its square, and of its square if the shape is known; `None` where other
+/// parameters can replace them.
+pub(crate) fn errors_of_shape(system: &System, fitted: &[Fitted], term: Term) -> Option<[f64; 3]> {
     let used: Vec<Fitted> = fitted.iter().copied().filter(|fitted| fitted.square > 0.0).collect();
     let place = used.iter().position(|fitted| fitted.term == term)?;
     let before: usize = used[..place].iter().map(|fitted| fitted.term.parameters()).sum();
-    let row = &inverse(&derivatives(system, &used))?[before + 1];
-    Some(libm::sqrt(row[before + 1]))
+    let inverse = inverse(&derivatives(system, &used))?;
+    let [square, shape] = [before, before + 1];
+    let known =
+        inverse[square][square] - inverse[square][shape] * inverse[square][shape] / inverse[shape][shape];
+    let relative = |variance: f64| libm::sqrt(variance) / used[place].square;
+    Some([libm::sqrt(inverse[shape][shape]), relative(inverse[square][square]), relative(known)])
 }
 
 /// Whether a search ended at a limit of its range instead of at a minimum.
