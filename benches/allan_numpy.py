@@ -3,6 +3,7 @@
     cargo build --release -p sagnac-cli
     python benches/allan_numpy.py deviations [RECORDS]    # intervals of deviations, by kind of noise and averaging time
     python benches/allan_numpy.py coefficients [RECORDS]  # N and B behind the filter of a sensor
+    python benches/allan_numpy.py models [RECORDS]        # all coefficients of five noise models, with Q, K and Markov noise
     python benches/allan_numpy.py tails [RECORDS]         # N of white noise that is not Gaussian, and of Markov noise added to white noise
     python benches/allan_numpy.py compare [PAIRS]         # p of two records of equal noise behind such a filter
     python benches/allan_numpy.py dynamic [RECORDS]       # changes in records without one, and a step of N that is found
@@ -167,6 +168,45 @@ def coefficients(records):
                     if row["status"] == "estimated" and row["coefficient"] not in "NB":
                         others[row["coefficient"]] = others.get(row["coefficient"], 0) + 1
             print(line, others, flush=True)
+
+
+# Q, N, B, K, then σ and time of Markov noise in samples, and the terms of the fit.
+MODELS = {
+    "white": ((0, 1, 0, 0, 0, 0), "auto"),
+    "white and flicker": ((0, 1, 0.3, 0, 0, 0), "auto"),
+    "white and walk": ((0, 1, 0, 0.03, 0, 0), "auto"),
+    "quantization, white and flicker": ((3, 1, 0.3, 0, 0, 0), "auto"),
+    "white and Markov": ((0, 1, 0, 0, 0.3, 50), "N,markov"),
+}
+
+
+def models(records):
+    samples = 2**12
+    print(f"{records} records of {samples} samples: coverage of 95 % intervals in percent (truth below · above) and its 99.9 % interval")
+    for name, (truth, terms) in MODELS.items():
+        q, n, b, k, sigma, time = truth
+        rng = np.random.default_rng(31)
+
+        def make():
+            rates = n * rng.standard_normal(samples) + np.diff(q * rng.standard_normal(samples + 1))
+            rates += (b * flicker(rng, samples) if b else 0) + k * np.cumsum(rng.standard_normal(samples))
+            if sigma:
+                a, past = np.exp(-1 / time), 10 * time
+                rates += sigma * signal.lfilter([np.sqrt(1 - a * a)], [1, -a], rng.standard_normal(samples + past))[past:]
+            return rates
+
+        found = list(columns(records, make, "--rate", "1Hz", "--unit", "none", "--fit", terms, *EXTRA))
+        for coefficient, true in zip(("Q", "N", "B", "K", "markov", "markov_time"), truth):
+            rows = [row for column in found for row in column["coefficients"] if row["coefficient"] == coefficient]
+            bounded = [row for row in rows if row["upper"] is not None]
+            if not true or not bounded:
+                continue
+            estimated = sum(row["status"] == "estimated" for row in rows)
+            below, above = (sum(side) for side in zip(*((row["lower"] > true, row["upper"] < true) for row in bounded)))
+            inside = len(bounded) - below - above
+            low, high = stats.binomtest(inside, len(bounded)).proportion_ci(0.999)
+            line = f"{name:32} {coefficient:12} estimated in {estimated}, covered {100 * inside / len(bounded):.1f} of {len(bounded)}"
+            print(f"{line} ({below} · {above}), {100 * low:.1f} … {100 * high:.1f}", flush=True)
 
 
 def tails(records):
