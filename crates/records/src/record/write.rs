@@ -340,6 +340,10 @@ float64 z
         let schema = writer.add_schema("sensor_msgs/msg/Imu", "ros2msg", IMU.as_bytes()).map_err(of_file)?;
         let channel = writer.add_channel(schema, "/imu", "cdr", &BTreeMap::new()).map_err(of_file)?;
         each_row(head, column, |number, row| {
+            // A lost sample is a message that was not sent.
+            if row.iter().all(|sample| sample.is_nan()) {
+                return Ok(());
+            }
             let mut rates = [0.0; 3];
             for ((rate, sample), column) in rates[first..].iter_mut().zip(row).zip(&head.columns) {
                 *rate = sample * column.rad_per_s.ok_or(ErrorKind::InvalidInput)?;
