@@ -342,7 +342,8 @@ pub struct Input {
     pub name: String,
     /// Its contents when the study was read.
     pub text: Arc<str>,
-    path: PathBuf,
+    /// Its path when the study was read.
+    pub path: PathBuf,
 }
 
 /// The files that a study names. A file that could not be read is missing; it has been reported, or is not needed.

@@ -3,7 +3,7 @@
 //! A sample is a function of its number, the number of its record and the key of its point, so it is the same wherever it is made. The
 //! angles of all parts are in 2^−32 of the unit of the noise, and their sum is exact.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use miette::NamedSource;
@@ -55,6 +55,8 @@ pub struct RecordMotion {
     tones: Vec<Tone>,
     filter: Option<Filter>,
     profile: Option<Replay>,
+    /// Path of the file of the profile, where that of the motion is known.
+    file: Option<PathBuf>,
     /// Angle of a sample at the constant rate.
     rate: i128,
     /// Angle through which the acceleration turns in a sample from rest, in 2^−32 units.
@@ -110,7 +112,9 @@ impl RecordMotion {
         let refused = |Unrepresentable { key, message, help }: Unrepresentable| {
             Fault::new(reading.places.blame(&[key, "motion"]), message, "not in such samples", help)
         };
-        Ok(RecordMotion::new(&motion, samples).map_err(refused)?)
+        let lowered = RecordMotion::new(&motion, samples).map_err(refused)?;
+        let file = motion.profile.map(|profile| files.path(&profile.file));
+        Ok(RecordMotion { file, ..lowered })
     }
 
     /// Lowers a motion, whose vibration is among its tones or its Gaussian motion. Phases, rate and acceleration are those at the start
@@ -142,9 +146,17 @@ impl RecordMotion {
             tones: motion.tones.clone(),
             filter: filter.transpose()?.flatten(),
             profile: profile.transpose()?,
+            file: None,
             rate: libm::round(motion.rate * sample_s / unit) as i128,
             acceleration: libm::round(0.5 * motion.acceleration * sample_s * sample_s / unit * WORD) as i128,
         })
+    }
+
+    /// Lets every record begin where its profile does.
+    pub fn start_with_profile(&mut self) {
+        if let Some(replay) = &mut self.profile {
+            replay.angles = replay.angles.iter().take(self.samples.count as usize).copied().collect();
+        }
     }
 
     /// The angles of the samples of the record `number` from the sample `first` on, each in 2^−32 of the unit of the noise.
@@ -170,6 +182,11 @@ impl RecordMotion {
             }
             angle
         })
+    }
+
+    /// The path of the file that the [parsed](RecordMotion::parse) text of a motion names.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
     }
 
     /// A unit of the angles, ″.

@@ -16,6 +16,7 @@ use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::allan::{self, coefficients};
 use crate::kinds::lock_in::run::columns;
 use crate::motion::Motion;
+use crate::motion::keys::Phase;
 use crate::sampling::Planned;
 use crate::study::{self, Ablation, Kind, Part, ROW, Study, Subject};
 use sagnac_base::diagnostics::{Fault, Wrong};
@@ -196,6 +197,15 @@ impl Inputs {
     /// The angle that is put out.
     pub fn readout(&self) -> Readout {
         self.dither.as_ref().map_or(Readout::Stripped, |dither| dither.readout)
+    }
+
+    /// All of its input as a motion, which begins with the record.
+    pub fn input(&self) -> Motion {
+        let mut input = self.motion.clone().unwrap_or_default();
+        input.tones.iter_mut().filter(|tone| tone.phase == Phase::Uniform).for_each(|tone| {
+            tone.phase = Phase::ZeroCrossing;
+        });
+        Motion { rate: self.rate, acceleration: self.ramp, ..input }
     }
 
     /// Everything that determines the draws and the truth, as lines of text, without the samples. Other steps take the same draws.

@@ -124,6 +124,13 @@ impl Gyros {
         self.fixed.lsb_arcsec
     }
 
+    /// The angles by which the output of a gyro departs from its input in each sample of its record, LSB.
+    pub fn departures(&self, number: u64) -> impl Iterator<Item = i32> {
+        let angles = self.recipe.trace(number).angles.into_iter();
+        let angles: Vec<i32> = angles.step_by(self.fixed.steps.division as usize).collect();
+        (1..angles.len()).map(move |sample| angles[sample].wrapping_sub(angles[sample - 1]))
+    }
+
     /// Length of a step of the integration, s.
     pub fn step_s(&self) -> f64 {
         self.fixed.steps.step_s
