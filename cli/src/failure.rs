@@ -117,7 +117,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 41] = [
+const OPTIONS: [&str; 42] = [
     "at",
     "axes",
     "band",
@@ -150,6 +150,7 @@ const OPTIONS: [&str; 41] = [
     "segment",
     "skip",
     "states",
+    "switch_every",
     "tau",
     "temperature",
     "temperature_unit",

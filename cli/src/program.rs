@@ -78,7 +78,7 @@ commands! {
     Compare(crate::compare::Options) = crate::compare::compare;
     /// Find the noise model of a log for a navigation filter
     Model(crate::model::Options) = crate::model::model;
-    /// Write simulated records of a gyro at rest
+    /// Write simulated records of a gyro
     Simulate(crate::simulate::Options) = crate::simulate::simulate;
     /// Convert a noise coefficient between units and conventions
     Convert(crate::convert::Options) = crate::convert::convert;

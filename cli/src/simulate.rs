@@ -29,7 +29,7 @@ Examples:
   sagnac simulate noise.toml --rate 100Hz --length 1h
   sagnac simulate noise.toml --rate 1Hz --length 9h --records 20 --seed 3 --form npy --out lab
   sagnac simulate studies/record_length.toml --at length=4h --data increment
-  sagnac simulate studies/smoke.toml --at gap_ticks=3 --length 60s --truth --form h5
+  sagnac simulate studies/smoke.toml --at gap_ticks=3 --length 60s --switch-every 1s --truth --form h5
   sagnac simulate noise.toml --rate 1kHz --length 60s --motion my.toml --axes 3 --out moving";
 
 /// The file of the study whose trials the records are.
@@ -41,28 +41,31 @@ const MAX_RECORDS: u64 = 100_000;
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// A noise file, as `sagnac allan` writes it, or a study of kind "allan" or "gap-fill"
+    /// A noise file of `sagnac allan`, or a study of kind "allan", "gap-fill", "switched-run" or "lock-in"
     #[arg(value_name = "NOISE|STUDY")]
     input: PathBuf,
     /// Sampling rate or step, for a noise file
     #[arg(long, value_name = "RATE", value_parser = step_of)]
     rate: Option<f64>,
-    /// Length, for a noise file or gap-fill
+    /// Length, for a noise file, gap-fill, switched-run
     #[arg(long, value_name = "TIME", value_parser = length)]
     length: Option<f64>,
-    /// Values of swept keys, for a study with sweeps
+    /// Values of swept keys
     #[arg(long, value_name = "KEY=VALUE")]
     at: Vec<String>,
+    /// Switching interval of gap-fill; lost samples are NaN, the truth goes on
+    #[arg(long, value_name = "TIME", value_parser = length)]
+    switch_every: Option<f64>,
     /// Number of records
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| whole(text, 1..=MAX_RECORDS))]
     records: u64,
-    /// First record; a record of a seed is the same wherever it is made
+    /// First record; one of a seed is the same wherever it is made
     #[arg(long, value_name = "K", default_value = "0", value_parser = |text: &str| whole(text, 0..=MAX_TRIALS - MAX_RECORDS))]
     first: u64,
     /// Seed [default: that of the study, or 1]
     #[arg(long, value_name = "S", value_parser = |text: &str| whole(text, 0..=i64::MAX as u64))]
     seed: Option<u64>,
-    /// File with the keys of [motion] of a study, about z of three axes unless as in x=FILE
+    /// Keys of [motion] of a study, about z of three axes unless as in x=FILE
     #[arg(help_heading = "Motion", long, value_name = "FILE")]
     motion: Vec<String>,
     /// Add columns of the true motion
@@ -71,7 +74,7 @@ pub struct Options {
     /// Axes, each with noise of its own
     #[arg(help_heading = "Motion", long, value_name = "N", default_value = "1", value_parser = one_of([("1", 1_usize), ("3", 3)]))]
     axes: usize,
-    /// Angles by which an axis senses the motion about another, as in xy=10arcsec
+    /// Angles by which an axis senses another, as in xy=10arcsec
     #[arg(help_heading = "Motion", long, value_name = "AXES=ANGLE", value_delimiter = ',', value_parser = Sensitivity::parse_misalignment)]
     misalignment: Vec<Sensitivity>,
     /// Errors of scale factors, as in x=10ppm
@@ -86,7 +89,7 @@ pub struct Options {
     /// Rates in °/h, angles in ″ of each sample or from the start (angle), or pulses
     #[arg(long, value_name = "KIND", default_value = "rate", value_parser = numbers())]
     data: Numbers,
-    /// Form of the files; h5 is HDF5, mcap has ROS messages, raw 8-byte numbers
+    /// Form of files; h5 is HDF5, mcap ROS messages, raw 8-byte numbers
     #[arg(help_heading = "Output", long, value_name = "FORM", default_value = "csv", value_parser = form())]
     form: Form,
     /// Folder of the records [default: results/<name of the file>_records]
@@ -124,6 +127,7 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     let request = SimulateRequest {
         sample_s: options.rate,
         length_s: options.length,
+        switch_every_s: options.switch_every,
         at: options.at.clone(),
         seed: options.seed,
         three_axes: options.axes == 3,
@@ -145,7 +149,7 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     let default = || Path::new("results").join(format!("{stem}_records"));
     let path = options.out.clone().unwrap_or_else(default);
     let motions = request.motions.iter().map(|motion| Path::new(&motion.name));
-    let folder = Folder::open(&path)?.reading(motions.chain([&*options.input]));
+    let folder = Folder::open(&path)?.reading(motions.chain([&*options.input]).chain(simulation.files()));
     let study = simulation.study();
     let place = match &options.at[..] {
         [] => String::new(),
@@ -176,8 +180,8 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     records.into_par_iter().try_for_each(|number| {
         let name = format!("record_{number:05}.{}", options.form.ending());
         folder.write_by(&name, |to| simulation.write(number, options.data, options.form, to))?;
-        if let Some(tones) = simulation.tones(number) {
-            folder.write(&format!("record_{number:05}_tones.csv"), tones.as_bytes())?;
+        for (table, text) in simulation.drawn(number) {
+            folder.write(&format!("record_{number:05}_{table}.csv"), text.as_bytes())?;
         }
         progress.advance(1);
         Ok::<(), FolderError>(())

@@ -1,14 +1,16 @@
-//! Rates of simulated records besides their noise: motions about the axes, which misaligned axes share, scale factors, and
-//! the dependence of the rate on a temperature.
+//! Rates of simulated records besides their noise: motions about the axes, which misaligned axes share, scale factors, mode switches,
+//! and the dependence of the rate on a temperature.
 //!
 //! All of it is added in whole numbers of 2^−32 of the unit of the noise, before whole pulses are read.
 
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::{Dimension, parse};
+use sagnac_engine::kinds::lock_in::lower::Gyros;
 use sagnac_engine::motion::Motion;
-use sagnac_engine::motion::record::{RecordMotion, Samples};
+use sagnac_engine::motion::record::{MOTION_BITS, RecordMotion, Samples};
 
 use super::SimulateError;
+use super::switched::Switches;
 
 /// Names of the axes of three.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -130,6 +132,10 @@ pub(crate) struct Added {
     /// The part of the motion about each axis that each axis of the gyro senses, in 2^−32.
     parts: Vec<Vec<i128>>,
     temperature: Option<([f64; 2], RecordMotion)>,
+    /// The mode switches, all axes at the same time.
+    pub(crate) switches: Option<Switches>,
+    /// The gyros whose beams lock in.
+    pub(crate) lock_in: Option<Gyros>,
     samples: Samples,
     /// A description, line by line, without the tones that are drawn.
     pub(crate) truth: String,
@@ -165,6 +171,8 @@ impl Added {
             motions: (0..axes).map(|_| None).collect(),
             parts: vec![vec![0; axes]; axes],
             temperature: None,
+            switches: None,
+            lock_in: None,
             samples,
             truth: String::new(),
         };
@@ -211,7 +219,10 @@ impl Added {
 
     /// Whether nothing is added.
     pub(crate) fn is_nothing(&self) -> bool {
-        self.temperature.is_none() && self.motions.iter().all(Option::is_none)
+        self.temperature.is_none()
+            && self.switches.is_none()
+            && self.lock_in.is_none()
+            && self.motions.iter().all(Option::is_none)
     }
 
     /// The number of the noise and of the draws of an axis in a record.
@@ -228,11 +239,22 @@ impl Added {
                 Some((motion.increments(self.number(record, of), 0), *part))
             })
             .collect();
-        let mut warming = self.temperature.as_ref().map(|(_, ramp)| ramp.increments(record, 0));
+        let number = self.number(record, axis);
+        let mut others: Vec<Box<dyn Iterator<Item = i128> + '_>> = vec![];
+        if let Some((_, ramp)) = &self.temperature {
+            others.push(Box::new(ramp.increments(record, 0)));
+        }
+        if let Some(switches) = &self.switches {
+            others.push(Box::new(switches.angles(self.samples, number)));
+        }
+        if let Some(gyros) = &self.lock_in {
+            let units = libm::ldexp(gyros.lsb_arcsec() / self.samples.lsb_arcsec, MOTION_BITS as i32);
+            others.push(Box::new(gyros.departures(number).map(move |lsb| (f64::from(lsb) * units) as i128)));
+        }
         (0..self.samples.count).map(move |_| {
             let turned = sensed.iter_mut().map(|(angles, part)| angles.next().unwrap_or_default() * *part);
             let turned: i128 = turned.sum();
-            (turned >> FRACTION_BITS) + warming.as_mut().and_then(Iterator::next).unwrap_or_default()
+            (turned >> FRACTION_BITS) + others.iter_mut().filter_map(Iterator::next).sum::<i128>()
         })
     }
 

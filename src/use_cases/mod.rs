@@ -8,6 +8,7 @@ mod logs;
 #[cfg(feature = "store")]
 mod merge;
 mod simulate;
+mod switched;
 
 use std::collections::BTreeMap;
 

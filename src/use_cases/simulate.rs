@@ -2,17 +2,24 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::added::{AXES, Added, MotionText, Sensitivity, Warming};
+use super::switched::Switches;
 use crate::analysis::firmware::{find, swept, value_of};
 use sagnac_base::diagnostics::{StudyError, listed};
+use sagnac_base::quantity::number::short;
 use sagnac_base::text_file::{MAX_TOML, read_text};
+use sagnac_engine::drift::Drift;
 use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::allan::lower::theory::made_records;
 use sagnac_engine::kinds::allan::lower::{MAX_MADE, MAX_SAMPLES, Records};
 use sagnac_engine::kinds::allan::{Allan, Inputs, Point};
 use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::kinds::gap_fill::inputs::Inputs as TickInputs;
+use sagnac_engine::kinds::lock_in::LockInStudy;
+use sagnac_engine::kinds::lock_in::lower::Gyros;
+use sagnac_engine::kinds::switched_run::SwitchedRun;
 use sagnac_engine::motion::Motion;
 use sagnac_engine::motion::record::{RecordMotion, Samples};
 use sagnac_engine::study::Study;
@@ -20,6 +27,10 @@ use sagnac_records::record::write::{self, Column, Form, Head, write};
 
 /// Fewest samples of a record.
 const MIN_SAMPLES: f64 = 16.0;
+
+/// The refusal of mode switches of records that have none.
+const NO_SWITCHES: &str =
+    "`switch_every = TIME` is for gap-fill studies, of which records have the gaps then\nleave it out";
 
 /// Records that can be made of a point of a study of Allan curves.
 #[derive(Debug)]
@@ -31,6 +42,8 @@ pub struct Simulation {
     /// Angle of a pulse, ″; 0 where no whole pulses are read.
     pulse: f64,
     added: Added,
+    /// Paths of the files that the study names.
+    files: Vec<PathBuf>,
     /// Whether records have columns of the true motion.
     has_truth: bool,
 }
@@ -52,8 +65,10 @@ pub enum SimulateError {
 pub struct SimulateRequest {
     /// Time from one sample to the next, s, for a noise.
     pub sample_s: Option<f64>,
-    /// Length, s, for a noise.
+    /// Length, s, for a noise or a gap-fill study, or in place of the run time of a study of runs.
     pub length_s: Option<f64>,
+    /// Time between mode switches, s, for a gap-fill study; without it there are none.
+    pub switch_every_s: Option<f64>,
     /// Values of swept keys, each as `key=value`, for a study with sweeps.
     pub at: Vec<String>,
     /// Seed; by default that of the study, or 1 for a noise.
@@ -145,21 +160,32 @@ impl Simulation {
         if is_study {
             let mut study = study()?;
             study.seed = request.seed.unwrap_or(study.seed);
-            if let Some(gap_fill) = study.asked::<GapFill>() {
-                return Simulation::of_gap_fill(&study, gap_fill, request);
-            }
-            if request.sample_s.or(request.length_s).is_some() {
-                return refused(
+            let files = study.inputs().into_iter().map(|input| input.path.clone()).collect();
+            let simulation = if let Some(gap_fill) = study.asked::<GapFill>() {
+                Simulation::of_gap_fill(&study, gap_fill, request)
+            } else if let Some(run) = study.asked::<SwitchedRun>() {
+                Simulation::of_run(&study, run, request)
+            } else if let Some(lock_in) = study.asked::<LockInStudy>() {
+                Simulation::of_lock_in(&study, lock_in, request)
+            } else if request.switch_every_s.is_some() {
+                refused(NO_SWITCHES)
+            } else if request.sample_s.or(request.length_s).is_some() {
+                refused(
                     "`rate = HZ` and `length = TIME` are for noise files; a study has `record.sample` and `record.length`\nleave them out",
-                );
-            }
-            return Simulation::of_study(&study, &request.at, None)?.with(request, None);
+                )
+            } else {
+                Simulation::of_study(&study, &request.at, None)?.with(request, None)
+            };
+            return Ok(Simulation { files, ..simulation? });
         }
         let (Some(sample_s), Some(length_s)) = (request.sample_s, request.length_s) else {
             return refused(
                 "a noise file does not say at which rate its records are sampled, and how long they are\ngive `rate = HZ` and `length = TIME`",
             );
         };
+        if request.switch_every_s.is_some() {
+            return refused(NO_SWITCHES);
+        }
         if let Some(at) = request.at.first() {
             return refused(&format!("`at = {at}` selects from a study, but none is given\nleave it out"));
         }
@@ -189,7 +215,7 @@ impl Simulation {
         Ok(Simulation { added, has_truth: *has_truth, ..self })
     }
 
-    /// Records of a point of a gap-fill study: the noise, the pulses and the motion of its ticks, without switches.
+    /// Records of a point of a gap-fill study: the noise, the pulses and the motion of its ticks, with switches where they are asked for.
     fn of_gap_fill(
         study: &Study,
         gap_fill: &GapFill,
@@ -203,18 +229,121 @@ impl Simulation {
             return refused("a gap-fill study does not say how long records are\ngive `length = TIME`");
         };
         let point = chosen(study, &request.at, &gap_fill.points, |point| &point.swept)?;
-        let (tick_s, motion) = (point.inputs.tick_s, &point.inputs.motion);
-        let walk = point.inputs.sigma_arcsec() / libm::sqrt(tick_s);
-        let mut noise = format!("angle_random_walk = \"{walk} arcsec/sqrt(s)\"\n");
-        if point.inputs.readout_lsb > 0.0 {
-            noise += &format!("readout_lsb = \"{} arcsec\"\n", point.inputs.readout_lsb);
+        let inputs = &point.inputs;
+        let simulation = Simulation::of_ticks(study, inputs, inputs.sigma_arcsec(), length_s)?;
+        let simulation = simulation.of_kind(study, &point.swept, &inputs.motion, request)?;
+        match request.switch_every_s {
+            None => Ok(simulation),
+            Some(every_s) => {
+                let interval = libm::round(every_s / inputs.tick_s) as u64;
+                simulation.switching(Switches::of_gap_fill(inputs, interval))
+            }
         }
-        let simulation = Simulation::of_noise("noise.toml", &noise, tick_s, length_s, study.seed)?;
+    }
+
+    /// Records of a point of a study of runs: its ticks, with its switches, relock and drift.
+    fn of_run(
+        study: &Study,
+        run: &SwitchedRun,
+        request: &SimulateRequest,
+    ) -> Result<Simulation, SimulateError> {
+        let refused = |message: &str| Err(SimulateError::Request(message.to_owned()));
+        if request.sample_s.is_some() || request.switch_every_s.is_some() {
+            return refused(
+                "`rate = HZ` is for noise files, and `switch_every = TIME` for gap-fill studies; a study of runs has `gyro.tick` and `switching.interval`\nleave them out",
+            );
+        }
+        let point = chosen(study, &request.at, &run.points, |point| &point.swept)?;
+        let Some(fill) = &point.fill else {
+            return refused(
+                "the study has no fillers, and so no ticks of which a record could be made\nadd [gyro], [motion] and switching.fillers to it",
+            );
+        };
+        let switches = Switches::of_run(point, &fill.inputs, run.first_mode);
+        let switches = switches.map_err(|refusal| study.refused(&point.swept, &refusal))?;
+        let walk = point.drift.angle_random_walk * libm::sqrt(fill.inputs.tick_s);
+        let sigma = libm::hypot(fill.inputs.sigma_arcsec(), walk);
+        let length_s = request.length_s.unwrap_or(point.schedule.duration_s);
+        let simulation = Simulation::of_ticks(study, &fill.inputs, sigma, length_s)?;
+        simulation.of_kind(study, &point.swept, &fill.inputs.motion, request)?.switching(switches)
+    }
+
+    /// Records of the ticks of a gyro at rest, each with a noise of `sigma` ″.
+    fn of_ticks(
+        study: &Study,
+        inputs: &TickInputs,
+        sigma: f64,
+        length_s: f64,
+    ) -> Result<Simulation, SimulateError> {
+        let walk = sigma / libm::sqrt(inputs.tick_s);
+        let mut noise = format!("angle_random_walk = \"{walk} arcsec/sqrt(s)\"\n");
+        if inputs.readout_lsb > 0.0 {
+            noise += &format!("readout_lsb = \"{} arcsec\"\n", inputs.readout_lsb);
+        }
+        Simulation::of_noise("noise.toml", &noise, inputs.tick_s, length_s, study.seed)
+    }
+
+    /// Records of a gyro of a study of lock-in, which reads whole pulses.
+    fn of_lock_in(
+        study: &Study,
+        lock_in: &LockInStudy,
+        request: &SimulateRequest,
+    ) -> Result<Simulation, SimulateError> {
+        let refused = |message: &str| Err(SimulateError::Request(message.to_owned()));
+        let SimulateRequest { sample_s, length_s, switch_every_s, motions, sensitivities, .. } = request;
+        let has_times = sample_s.or(*length_s).or(*switch_every_s).is_some();
+        let has_more = !motions.is_empty() || !sensitivities.is_empty() || request.warming.is_some();
+        if has_times || has_more || request.three_axes {
+            return refused(
+                "a study of lock-in has its own times and input, in [record], [input] and [motion], and one axis\nleave out times, axes, motions, scale factors and temperatures",
+            );
+        }
+        let point = chosen(study, &request.at, &lock_in.points, |point| &point.swept)?;
+        let gyros = Gyros::new(point, lock_in.estimator, study.seed, study.streams);
+        let gyros = gyros.map_err(|refusal| study.refused(&point.swept, &refusal))?;
+        let noise = format!("readout_lsb = \"{} arcsec\"\n", point.inputs.scale_factor);
+        let (sample_s, length_s) = (point.times.sample_s, point.times.length_s());
+        let simulation = Simulation::of_noise("noise.toml", &noise, sample_s, length_s, study.seed)?;
+        let mut simulation = simulation.of_kind(study, &point.swept, &point.inputs.input(), request)?;
+        simulation.added.motions.iter_mut().flatten().for_each(RecordMotion::start_with_profile);
+        simulation.added.lock_in = Some(gyros);
+        Ok(simulation)
+    }
+
+    /// These records with the mode switches of their ticks.
+    fn switching(self, switches: Switches) -> Result<Simulation, SimulateError> {
+        let Switches { interval, lost, .. } = switches;
+        let least = switches.least_interval();
+        if !(least..self.samples).contains(&interval) {
+            let [least, most, found] =
+                [least, self.samples - 1, interval].map(|samples| short(samples as f64 * self.sample_s));
+            let message = format!(
+                "a switch every {found} s leaves no samples between gaps, or none in the record\naccepted: {least} s to {most} s"
+            );
+            return Err(SimulateError::Request(message));
+        }
+        let mut added = self.added;
+        added.truth +=
+            &format!("The modes switch after every {interval} samples, and the next {lost} are lost: NaN.\n");
+        added.switches = Some(switches);
+        Ok(Simulation { added, ..self })
+    }
+
+    /// These records as those of a study of another kind, at a point with this motion.
+    fn of_kind(
+        self,
+        study: &Study,
+        swept: &[(&'static str, SweepValue)],
+        motion: &Motion,
+        request: &SimulateRequest,
+    ) -> Result<Simulation, SimulateError> {
         let has_motion = *motion != Motion::default();
-        let own = has_motion.then(|| RecordMotion::new(motion, simulation.added.samples())).transpose();
-        let own = own.map_err(|refusal| study.refused(&point.swept, &refusal))?;
-        let truth = format!("the study:\n{}", study.text().trim());
-        simulation.with(request, own.map(|own| (own, truth)))
+        let own = has_motion.then(|| RecordMotion::new(motion, self.added.samples())).transpose();
+        let own = own.map_err(|refusal| study.refused(swept, &refusal))?;
+        let mut simulation = self.with(request, own.map(|own| (own, "the study.".to_owned())))?;
+        let about = format!("The gyro is that of the study:\n{}\n", study.text().trim());
+        simulation.added.truth.insert_str(0, &about);
+        Ok(simulation)
     }
 
     /// Records of a study of Allan curves: those of its trials, which have the same numbers. A study with sweeps has them at the point
@@ -225,7 +354,7 @@ impl Simulation {
     fn of_study(study: &Study, at: &[String], length_s: Option<f64>) -> Result<Simulation, SimulateError> {
         let allan = study.asked::<Allan>().ok_or_else(|| {
             SimulateError::Request(format!(
-                "`kind = \"{}\"` has no records of a gyro\ngive a study of kind \"allan\" or \"gap-fill\", or a noise file",
+                "`kind = \"{}\"` has no records of a gyro\ngive a study of kind \"allan\", \"gap-fill\", \"switched-run\" or \"lock-in\", or a noise file",
                 study.kind().name
             ))
         })?;
@@ -244,6 +373,7 @@ impl Simulation {
             samples,
             pulse: point.inputs.noise.readout_lsb,
             added: Added::new(1, vec![], &[], None, of_records)?,
+            files: vec![],
             has_truth: false,
         })
     }
@@ -310,23 +440,51 @@ impl Simulation {
         &self.added.truth
     }
 
-    /// The tones about all axes in the record `number`, as a table in CSV; `None` without any.
-    pub fn tones(&self, number: u64) -> Option<String> {
-        let mut rows = String::new();
-        for (axis, motion) in self.added.motions.iter().enumerate() {
-            let tones = motion.iter().flat_map(|motion| motion.tones(self.added.number(number, axis)));
-            for tone in tones {
-                let (axis, degrees) = (if self.axes() == 1 { "" } else { AXES[axis] }, 360.0 * tone.turns);
-                rows += &format!("{axis},{},{},{degrees}\n", tone.frequency_hz, tone.amplitude);
-            }
-        }
-        let titles = "axis,frequency_hz,amplitude_arcsec_per_s,phase_deg\n";
-        (!rows.is_empty()).then(|| format!("{titles}{rows}"))
+    /// The files that the study and the motions name, none of which may be written.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let motions = self.added.motions.iter().flatten().filter_map(RecordMotion::file);
+        self.files.iter().map(PathBuf::as_path).chain(motions)
     }
 
-    /// The numbers that a gyro reads in the record `number`, sample by sample.
-    pub fn numbers(&self, number: u64, axis: usize, numbers: Numbers) -> write::Numbers<'_> {
-        self.column(number, Content::Reading(axis), numbers)
+    /// What is drawn for all axes of the record `number`, as tables in CSV with their names: the tones of the motion and the drift of runs,
+    /// if there are some.
+    pub fn drawn(&self, number: u64) -> Vec<(&'static str, String)> {
+        let [mut tones, mut drifts] = [const { String::new() }; 2];
+        for (axis, motion) in self.added.motions.iter().enumerate() {
+            let number = self.added.number(number, axis);
+            let axis = if self.axes() == 1 { "" } else { AXES[axis] };
+            for tone in motion.iter().flat_map(|motion| motion.tones(number)) {
+                let degrees = 360.0 * tone.turns;
+                tones += &format!("{axis},{},{},{degrees}\n", tone.frequency_hz, tone.amplitude);
+            }
+            let key = self.added.samples().key;
+            let drawn = self.added.switches.as_ref().and_then(|switches| switches.drawn(key, number));
+            if let Some((sign, Drift { magnetic, initial_magnetic, warm_up_s, non_magnetic, .. })) = drawn {
+                drifts +=
+                    &format!("{axis},{sign},{magnetic},{initial_magnetic},{warm_up_s},{non_magnetic}\n");
+            }
+        }
+        let tables = [
+            ("tones", "axis,frequency_hz,amplitude_arcsec_per_s,phase_deg", tones),
+            (
+                "drift",
+                "axis,first_mode,magnetic_arcsec_per_s,initial_magnetic_arcsec_per_s,warm_up_time_s,non_magnetic_arcsec_per_s",
+                drifts,
+            ),
+        ];
+        let tables = tables.into_iter().filter(|(.., rows)| !rows.is_empty());
+        tables.map(|(name, titles, rows)| (name, format!("{titles}\n{rows}"))).collect()
+    }
+
+    /// Number of columns of a record: what the gyro of each axis reads, then the true motion about each axis that has one, where it
+    /// is asked for, and the temperature if there is one.
+    pub fn columns(&self) -> usize {
+        self.contents().len()
+    }
+
+    /// The numbers of a column of the record `number`, sample by sample.
+    pub fn numbers(&self, number: u64, column: usize, numbers: Numbers) -> write::Numbers<'_> {
+        self.column(number, self.contents()[column], numbers)
     }
 
     fn column(&self, record: u64, content: Content, numbers: Numbers) -> write::Numbers<'_> {
@@ -344,7 +502,7 @@ impl Simulation {
                 Box::new(records.turned_increments(self.added.number(record, axis), turned))
             }
         };
-        match (numbers, content) {
+        let numbers: write::Numbers<'_> = match (numbers, content) {
             // 1 ″/s is 1 °/h.
             (Numbers::Rate, _) => Box::new(increments.map(move |increment| increment / sample_s)),
             (Numbers::Angle, _) => Box::new(increments.scan(0.0, |sum, increment| {
@@ -355,6 +513,14 @@ impl Simulation {
                 Box::new(increments.map(move |increment| libm::round(increment / pulse)))
             }
             (Numbers::Increment | Numbers::Pulses, _) => increments,
+        };
+        match (&self.added.switches, content) {
+            (Some(switches), Content::Reading(_)) => Box::new(
+                (0..)
+                    .zip(numbers)
+                    .map(|(sample, number)| if switches.is_lost(sample) { f64::NAN } else { number }),
+            ),
+            _ => numbers,
         }
     }
 
@@ -365,6 +531,10 @@ impl Simulation {
     pub fn check(&self, numbers: Numbers, form: Form) -> Result<(), SimulateError> {
         if numbers == Numbers::Pulses && self.pulse == 0.0 {
             let message = "there are no pulses to read\ngive their angle in the noise, as in readout_lsb = \"0.5 arcsec\"";
+            return Err(SimulateError::Request(message.to_owned()));
+        }
+        if numbers == Numbers::Angle && self.added.switches.is_some() {
+            let message = "the angle from the start is not known after a gap\ntake the rates, angles or pulses of each sample";
             return Err(SimulateError::Request(message.to_owned()));
         }
         match form.refusal(&self.head(numbers)) {
@@ -379,9 +549,7 @@ impl Simulation {
     /// `to` fails, or the form does not take such numbers, or so many.
     pub fn write(&self, number: u64, numbers: Numbers, form: Form, to: &mut dyn Write) -> io::Result<()> {
         let mut to = BufWriter::new(to);
-        let contents = self.contents();
-        let column = |place: usize| self.column(number, contents[place], numbers);
-        write(form, &self.head(numbers), &column, &mut to)?;
+        write(form, &self.head(numbers), &|column| self.numbers(number, column, numbers), &mut to)?;
         to.flush()
     }
 

@@ -357,6 +357,243 @@ fn a_gap_fill_study_gives_its_ticks() {
     desk.fails("simulate gap.toml --length 9s --out none", 2, &["--at KEY=VALUE for motion.frequency"]);
 }
 
+/// The rows of a record with its columns, in which samples may be lost.
+fn rows(csv: &str) -> Vec<Vec<f64>> {
+    csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn gaps_are_filled_as_well_as_the_table_of_their_study_says() {
+    let desk = Desk::with("");
+    desk.write("smoke.toml", include_str!("../../studies/smoke.toml"));
+    desk.done("run smoke.toml --trials 200000 --out run");
+    // 6.1 turns of 20 Hz.
+    let gaps = "--at gap_ticks=3 --switch-every 0.305s --length 0.7s";
+    desk.done(&format!("simulate smoke.toml {gaps} --records 600 --truth --data increment --out made"));
+    let weights = [("const", [0.75; 4]), ("quadratic", [-1.0, 2.5, 2.5, -1.0])];
+    let mut squares = [vec![], vec![]];
+    for number in 0..600 {
+        let rows = rows(&desk.read(&format!("made/record_{number:05}.csv")));
+        for ((_, weights), squares) in weights.iter().zip(&mut squares) {
+            let square = |gap: usize| {
+                assert!(rows[gap - 1][1].is_finite() && rows[gap + 3][1].is_finite(), "{number} {gap}");
+                assert!(rows[gap..gap + 3].iter().all(|row| row[1].is_nan() && row[2].is_finite()));
+                let ticks = [gap - 2, gap - 1, gap + 3, gap + 4];
+                let filled: f64 =
+                    ticks.iter().zip(weights).map(|(tick, weight)| weight * rows[*tick][1]).sum();
+                let turned: f64 = rows[gap..gap + 3].iter().map(|row| row[2]).sum();
+                (filled - turned) * (filled - turned)
+            };
+            squares.push(0.5 * (square(61) + square(122)));
+        }
+    }
+    let points = desk.points("run");
+    for ((filler, _), squares) in weights.iter().zip(&squares) {
+        let is_row = |row: &&std::collections::BTreeMap<String, String>| {
+            row["filler"] == *filler && row["error"] == "residual" && row["switching.gap_ticks"] == "3"
+        };
+        let expected: f64 = points.iter().find(is_row).unwrap()["rms_arcsec"].parse().unwrap();
+        let mean = squares.iter().sum::<f64>() / 600.0;
+        let variance = squares.iter().map(|square| (square - mean) * (square - mean)).sum::<f64>() / 599.0;
+        let z = (mean - expected * expected) / (variance / 600.0).sqrt();
+        assert!(z.abs() < 4.0, "{filler}: {} ″, not {expected} ″: {z}", mean.sqrt());
+    }
+}
+
+#[test]
+fn a_record_with_switches_is_the_one_without_them_but_for_gaps_and_relock() {
+    let desk = Desk::with("");
+    desk.write("smoke.toml", include_str!("../../studies/smoke.toml"));
+    let record = "simulate smoke.toml --at gap_ticks=2 --length 9s --seed 5";
+    desk.done(&format!("{record} --truth --data increment --out still"));
+    desk.done(&format!("{record} --truth --data increment --switch-every 2s --out switched"));
+    let [still, switched] =
+        ["still", "switched"].map(|folder| rows(&desk.read(&format!("{folder}/record_00000.csv"))));
+    for (sample, (still, switched)) in still.iter().zip(&switched).enumerate() {
+        assert_eq!([still[0], still[2]], [switched[0], switched[2]], "{sample}");
+        let added = match (sample / 400, sample % 400) {
+            (1.., 0 | 1) => f64::NAN,
+            (1.., 2) => 3.0,
+            (1.., 3) => 1.0,
+            _ => 0.0,
+        };
+        let found = switched[1] - still[1];
+        // Where a whole number of pulses is added, each boundary falls at the same place in its pulse.
+        assert!((found - added).abs() < 1e-6 || found.is_nan() && added.is_nan(), "{sample}: {found}");
+    }
+    let sidecar = desk.read("switched/simulated.toml");
+    assert!(sidecar.contains("# The modes switch after every 400 samples, and the next 2 are lost: NaN."));
+    for form in ["csv", "npz", "mat", "h5", "mcap"] {
+        desk.done(&format!("{record} --switch-every 2s --form {form} --out {form}"));
+        let column = if form == "mcap" { "--column gz" } else { "" };
+        desk.done(&format!(
+            "allan {form}/record_00000.{form} {column} --bootstrap 0 --fit none --out of_{form}"
+        ));
+        let curve = |form: &str| -> Vec<f64> {
+            let curve = desk.table(&format!("of_{form}/curve.csv"));
+            curve.iter().map(|row| row["value"].parse().unwrap()).collect()
+        };
+        let (found, expected) = (curve(form), curve("csv"));
+        assert_eq!(found.len(), expected.len(), "{form}");
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{form}");
+    }
+    let refused =
+        |more: &str, code: i32, why: &str| desk.fails(&format!("{record} {more} --out none"), code, &[why]);
+    refused("--switch-every 15ms", 2, "accepted: 0.02 s to 8.995 s");
+    refused("--switch-every 9s", 2, "accepted: 0.02 s to 8.995 s");
+    refused("--switch-every 2s --data angle", 2, "is not known after a gap");
+    desk.write("noise.toml", NOISE);
+    desk.fails(
+        &format!("{RECORD} --switch-every 2s --out none"),
+        2,
+        &["--switch-every TIME is for gap-fill"],
+    );
+}
+
+#[test]
+fn a_run_gives_its_ticks_with_its_switches_relock_and_drift() {
+    let desk = Desk::with("");
+    let study = "title = \"Run\"\nkind = \"switched-run\"\nseed = 8\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.001 arcsec\" }\n\
+                 [motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n\
+                 [drift]\nmagnetic = \"14 arcsec/s\"\nmagnetic_spread = \"1 arcsec/s\"\nwarm_up_time = \"300 s\"\nwarm_up_time_spread = \"5 %\"\n\
+                 non_magnetic = \"0.5 arcsec/s\"\ninitial_magnetic = \"1 arcsec/s\"\n\
+                 [relock]\ninitial_detuning = 0.0591\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\n\
+                 curvature = 40\nticks = 8\n[switching]\ninterval = \"5 s\"\ngap_ticks = 3\nfillers = [\"quadratic\"]\nfirst_mode = \"random\"\n\
+                 [run]\nduration = \"18 s\"\n";
+    desk.write("run.toml", study);
+    desk.done("simulate run.toml --records 40 --truth --data increment --out made");
+    let mut drawn = vec![];
+    for number in 0..40 {
+        let rows = rows(&desk.read(&format!("made/record_{number:05}.csv")));
+        assert_eq!(rows.len(), 3600);
+        let drift = &desk.table(&format!("made/record_{number:05}_drift.csv"))[0];
+        let value = |name: &str| drift[name].parse::<f64>().unwrap();
+        let [first_mode, magnetic] = ["first_mode", "magnetic_arcsec_per_s"].map(value);
+        drawn.push([first_mode, magnetic]);
+        for (sample, row) in rows.iter().enumerate() {
+            let place = sample % 1000;
+            if sample >= 1000 && place < 3 {
+                assert!(row[1].is_nan());
+                continue;
+            }
+            let t = 0.005 * (sample as f64 + 0.5);
+            let warm = magnetic * (1.0 - (-t / value("warm_up_time_s")).exp())
+                + value("initial_magnetic_arcsec_per_s");
+            let sign = if (sample / 1000).is_multiple_of(2) { first_mode } else { -first_mode };
+            // Z(11), with f0 = 80 kHz · 2.6 ″.
+            let relocked = match place.checked_sub(3) {
+                Some(tick @ 0..8) if sample >= 1000 => {
+                    let q = |ticks: f64| (-ticks * 0.005 / 0.012_f64).exp();
+                    40.0 * 208_000.0
+                        * 0.0591
+                        * 0.0591
+                        * 0.006
+                        * q(2.0 * tick as f64)
+                        * (1.0 - q(1.0))
+                        * (1.0 - q(1.0))
+                }
+                _ => 0.0,
+            };
+            let expected = 0.005 * (sign * warm + value("non_magnetic_arcsec_per_s")) + relocked;
+            let found = row[1] - row[2];
+            assert!((found - expected).abs() < 0.0065, "{number} {sample}: {found}, not {expected}");
+        }
+    }
+    let negative = drawn.iter().filter(|[mode, _]| *mode < 0.0).count();
+    assert!((8..=32).contains(&negative), "{negative}");
+    let mean = drawn.iter().map(|[_, magnetic]| magnetic).sum::<f64>() / 40.0;
+    let variance =
+        drawn.iter().map(|[_, magnetic]| (magnetic - mean) * (magnetic - mean)).sum::<f64>() / 39.0;
+    // Four standard errors.
+    assert!((mean - 14.0).abs() < 0.64 && (variance - 1.0).abs() < 0.91, "{mean} {variance}");
+    desk.fails(
+        "simulate run.toml --switch-every 5s --out none",
+        2,
+        &["has `gyro.tick` and `switching.interval`"],
+    );
+    let (before, after) = (study.find("[gyro]").unwrap(), study.find("[drift]").unwrap());
+    let relock = study.find("[relock]").unwrap();
+    let bare = format!(
+        "{}{}[switching]\ninterval = \"5 s\"\n[run]\nduration = \"18 s\"\n",
+        &study[..before],
+        &study[after..relock]
+    );
+    desk.write("bare.toml", &bare);
+    desk.fails("simulate bare.toml --out none", 2, &["no fillers", "switching.fillers"]);
+}
+
+#[test]
+fn a_study_of_lock_in_gives_the_pulses_of_its_gyros_on_a_moving_base() {
+    let desk = Desk::with("");
+    let study = "title = \"Lock-in\"\nkind = \"lock-in\"\ntrials = 2\n[gyro]\nscale_factor = \"2 arcsec/pulse\"\n\
+                 [record]\nlength = \"10 s\"\n";
+    let threshold = |arcsec_per_s: u32| format!("[lock_in]\nthreshold = \"{arcsec_per_s} arcsec/s\"\n");
+    let rates = "[[sweep]]\nkey = \"input.rate\"\nlist = [\"100 arcsec/s\", \"300 arcsec/s\"]\n";
+    desk.write("static.toml", &format!("{study}{}{rates}", threshold(180)));
+    // Locked, and √(300² − 180²) ″/s.
+    for (rate, expected) in [(100, 0.0), (300, 240.0)] {
+        desk.done(&format!(
+            "simulate static.toml --at input.rate={rate}arcsec/s --data pulses --out of_{rate}"
+        ));
+        let pulses = numbers(&desk.read(&format!("of_{rate}/record_00000.csv")));
+        assert!(pulses.len() == 1000 && pulses.iter().all(|pulses| pulses.fract() == 0.0));
+        let turned = 2.0 * pulses.iter().sum::<f64>();
+        assert!((turned - 10.0 * expected).abs() <= 4.0, "{rate}: {turned}");
+    }
+    let dither = "[dither]\nfrequency = \"400 Hz\"\nrate = \"100 deg/s\"\namplitude_noise = \"2 %\"\n[input]\nrate = \"37 arcsec/s\"\n";
+    let tone = "[motion]\namplitude = \"500 arcsec/s\"\nfrequency = \"1.3 Hz\"\nphase = \"extremum\"\n";
+    desk.write("moving.toml", &format!("{study}{}{dither}{tone}", threshold(1800)));
+    desk.done("simulate moving.toml --records 40 --truth --data increment --out moving");
+    let mut squares = vec![];
+    for number in 0..40 {
+        let found = columns(&desk.read(&format!("moving/record_{number:05}.csv")));
+        let tau = std::f64::consts::TAU * 1.3;
+        let angle = |t: f64| 37.0 * t + 500.0 / tau * (tau * t).sin();
+        for (sample, truth) in found[2].iter().enumerate() {
+            let expected = angle((sample as f64 + 1.0) / 400.0) - angle(sample as f64 / 400.0);
+            assert!((truth - expected).abs() < 1e-6, "{number} {sample}: {truth}, not {expected}");
+        }
+        let errors: Vec<f64> = found[1].iter().zip(&found[2]).map(|(read, truth)| read - truth).collect();
+        squares.extend(errors.chunks(400).map(|second| second.iter().sum::<f64>().powi(2)));
+    }
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    // N² = Ω_L² q/(2π Ω_D) in a second, and the fractions of a pulse at both ends.
+    let expected = 1800.0 * 1800.0 * 2.0 / (std::f64::consts::TAU * 360_000.0) + 2.0 * 4.0 / 12.0;
+    // Four standard errors.
+    assert!((mean / expected - 1.0).abs() < 4.0 * (2.0 / 400_f64).sqrt(), "{mean}, not {expected}");
+    let profile: String = (0..=2000)
+        .map(|k| format!("{},{}\n", 0.01 * f64::from(k), 300.0 * (0.05 * f64::from(k)).sin()))
+        .collect();
+    desk.write("base.csv", &format!("time [s],rate [arcsec/s]\n{profile}"));
+    desk.write(
+        "profile.toml",
+        &format!("{study}{}{dither}[motion]\nprofile = {{ file = \"base.csv\" }}\n", threshold(1800)),
+    );
+    desk.done("simulate profile.toml --records 2 --truth --data increment --out profile");
+    let [first, second] =
+        [0, 1].map(|number| columns(&desk.read(&format!("profile/record_0000{number}.csv"))));
+    assert!(first[2] == second[2] && first[1] != second[1], "all gyros have the same motion");
+    desk.fails("simulate moving.toml --motion none.toml --out none", 2, &["cannot read the motion"]);
+    desk.fails("simulate moving.toml --axes 3 --out none", 2, &["has its own times and input"]);
+}
+
+#[test]
+fn files_that_a_motion_or_a_study_names_are_not_replaced() {
+    let desk = desk();
+    desk.done("simulate noise.toml --rate 50Hz --length 20s --out lab");
+    let profile = "profile = { file = \"lab/record_00000.csv\" }\n";
+    desk.write("motion.toml", profile);
+    let study = "title = \"Gap\"\nkind = \"gap-fill\"\n[gyro]\ntick = \"20 ms\"\ntick_noise = { std = \"0.5 arcsec\" }\n\
+                 [switching]\ngap_ticks = 3\nfillers = [\"const\"]\n[motion]\n";
+    desk.write("gap.toml", &format!("{study}{profile}"));
+    std::fs::remove_file(desk.path("lab/simulated.toml")).unwrap();
+    let before = desk.read("lab/record_00000.csv");
+    let why = ["lab/record_00000.csv is read by this command", "write to another folder"];
+    desk.fails("simulate noise.toml --rate 50Hz --length 10s --motion motion.toml --out lab", 6, &why);
+    desk.fails("simulate gap.toml --length 10s --out lab", 6, &why);
+    assert_eq!(desk.read("lab/record_00000.csv"), before);
+}
+
 #[test]
 fn long_records_are_refused_only_where_their_noise_cannot_be_made() {
     let desk = desk();
