@@ -150,8 +150,9 @@ impl From<LogError> for Failure {
 }
 
 /// Settings of the library with the corresponding arguments.
-const ARGUMENTS: [(&str, &str); 27] = [
+const ARGUMENTS: [(&str, &str); 30] = [
     ("at", "at"),
+    ("axes", "axes"),
     ("band", "band"),
     ("binary", "binary"),
     ("bootstrap", "bootstrap"),
@@ -165,12 +166,14 @@ const ARGUMENTS: [(&str, &str); 27] = [
     ("dynamic", "dynamic"),
     ("filler", "fillers"),
     ("length", "length"),
+    ("motion", "motion"),
     ("noise", "noise"),
     ("out", "out"),
     ("rate", "rate"),
     ("scale", "unit"),
     ("segment", "segment"),
     ("skip", "skip"),
+    ("switch_every", "switch_every"),
     ("tau", "taus"),
     ("temperature", "temperature"),
     ("temperature_unit", "temperature_unit"),
