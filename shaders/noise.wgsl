@@ -28,6 +28,11 @@ var<private> noise: Noise;
 var<private> holds: array<Hold, HOLD_ROOM>;
 
 fn begin() {
+    begin_at(0u);
+}
+
+// The state before sample `first`, a multiple of a chunk, except what adds up from sample to sample.
+fn begin_at(first: u32) {
     let words = draw(address, FOR_RECORD_START, 0u);
     noise = Noise(wide(0u, 0u), 0u, wide(0u, 0u), wide(0u, 0u), words.y, wide(0u, 0u), 0u);
     //#if PULSE
@@ -36,15 +41,31 @@ fn begin() {
     //#if MARKOV_STEPS
     noise.markov = mul_wide(normal(words.z), p.markov_start);
     //#end
+    //#if SINE_WAVE
+    noise.phase += p.sine_step * first;
+    //#end
     //#if FLICKER_HOLDS
     for (var octave = 1u; octave < OCTAVES; octave += 1u) {
         let grid = draw(address, FOR_FLICKER_GRID, octave);
         // The hold in which the record starts has number 0.
-        let first = draw_beyond(address, FOR_FLICKER, octave, 0u);
+        let number = first >> octave;
+        let place = first & ((1u << octave) - 1u);
+        let of_block = select(1u, 4u, octave < FOUR_STREAMS);
+        let words = draw_beyond(address, FOR_FLICKER, octave, number / of_block);
+        // Within a hold the next one is drawn.
+        var next = words;
+        if place != 0u {
+            next = draw_beyond(address, FOR_FLICKER, octave, number + 1u);
+        }
         for (var stream = 0u; stream < streams(octave); stream += 1u) {
-            let value = scaled(first[stream], flicker_sigma(octave));
-            noise.flicker += value;
-            holds[octave * STREAMS + stream] = Hold(value, 0u, grid[stream] >> (32u - octave));
+            let word = stream + number % of_block;
+            let before = scaled(words[word], flicker_sigma(octave));
+            let value = scaled(next[word], flicker_sigma(octave));
+            let hold = Hold(value, value - before, grid[stream] >> (32u - octave));
+            // All ones where it has begun.
+            let begun = 0u - ((hold.grid - place) >> 31u);
+            noise.flicker += before + (hold.change & begun);
+            holds[octave * STREAMS + stream] = hold;
         }
     }
     //#end

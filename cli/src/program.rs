@@ -217,11 +217,11 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
 pub struct Verify {
-    /// Devices to verify: cpu, gpu, gpu:0, part of an adapter's name, its PCI address, several of these with commas, or
-    /// all; see `sagnac device list` [default: all adapters]
+    /// Devices: cpu, gpu, gpu:0, part of an adapter's name, its PCI address, several of these with commas, or all; see
+    /// `sagnac device list` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<String>,
-    /// Work per kernel: total number of trials, samples or values over all its configurations
+    /// Work per kernel: trials, samples or values over all its configurations
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     pub trials: u64,
     /// Former option, which wrote a row for each compared device
@@ -246,7 +246,7 @@ pub struct Bench {
 
 #[derive(Debug, Args)]
 pub struct DeviceArg {
-    /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, gpu:0, part of an adapter's name, or its
+    /// Device: auto, cpu, gpu, a vector width of the CPU such as avx2, gpu:0, part of an adapter's name, or its
     /// PCI address; see `sagnac device list`. Several share the work: all, or a list such as cpu,gpu:0
     #[arg(help_heading = "Device", long, value_name = "DEVICE", default_value = "auto")]
     device: String,
@@ -261,15 +261,20 @@ impl DeviceArg {
     /// # Errors
     /// There is no such device, or it does not work.
     pub fn select(&self, is_said: bool) -> Result<Device, Failure> {
-        let Selection { device, reason, left_out } = select(&self.device, self.threads.unwrap_or(0))?;
-        if is_said {
-            say!("device: {}, {reason}", device.name());
-            for sentence in left_out {
-                note!("{sentence}");
-            }
-        }
-        Ok(device)
+        selected(&self.device, self.threads.unwrap_or(0), is_said)
     }
+}
+
+/// The device called `wanted`, whose CPU uses `threads` threads, as [`DeviceArg::select`] gives it.
+pub fn selected(wanted: &str, threads: usize, is_said: bool) -> Result<Device, Failure> {
+    let Selection { device, reason, left_out } = select(wanted, threads)?;
+    if is_said {
+        say!("device: {}, {reason}", device.name());
+        for sentence in left_out {
+            note!("{sentence}");
+        }
+    }
+    Ok(device)
 }
 
 /// The options of the commands that sample studies.
@@ -280,10 +285,10 @@ pub struct Sampling {
     /// or more for few evaluations]
     #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = trials)]
     pub trials: Option<u64>,
-    /// Seed, instead of the one in the study
+    /// Seed, instead of the study's
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = seed)]
     seed: Option<u64>,
-    /// Print the results as JSON: one object, or an array of objects for several studies
+    /// Print the results as JSON: one object, or an array for several studies
     #[arg(help_heading = "Output", long)]
     pub json: bool,
     #[command(flatten)]

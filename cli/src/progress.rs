@@ -18,8 +18,7 @@ pub const LINE: Duration = Duration::from_secs(10);
 #[derive(Debug, Args)]
 #[group(skip)]
 pub struct Options {
-    /// Progress on the standard error stream: auto (a bar on a terminal, else lines), bar, plain (a line every 10 s) or
-    /// none
+    /// Progress on standard error: auto (a bar on a terminal, else lines), bar, plain (a line every 10 s) or none
     #[arg(
         help_heading = "Output",
         long,
@@ -99,6 +98,8 @@ pub struct Shown {
     /// Time of the next line.
     next: Mutex<Instant>,
     stop: Option<Stop>,
+    /// Whether no line says at the start how much there is to do.
+    is_terse: bool,
 }
 
 impl Shown {
@@ -117,7 +118,14 @@ impl Shown {
             begins: OnceLock::new(),
             next: Mutex::new(Instant::now() + LINE),
             stop: None,
+            is_terse: false,
         }
+    }
+
+    /// Progress without a line at the start, for work that is mostly done at once.
+    pub fn terse(mut self) -> Shown {
+        self.is_terse = true;
+        self
     }
 
     /// Progress that also asks the run to stop as soon as there is a cause.
@@ -190,7 +198,7 @@ impl Progress for Shown {
         let bar = &self.bar;
         let say_done = || {
             // A single piece of work has nothing to count.
-            if self.how == How::Plain && unit == first && done < total && total > 1 {
+            if self.how == How::Plain && unit == first && done < total && total > 1 && !self.is_terse {
                 self.begins.get_or_init(|| ());
                 say!("{} of {} {unit} done", short(done as f64), short(total as f64));
             }

@@ -22,6 +22,7 @@ use sagnac_engine::kinds::allan::lower::MAX_SAMPLES;
 use crate::arg_parsers::{one_of, whole};
 use crate::failure::{Failure, in_options};
 use crate::output::print;
+use crate::program::selected;
 use crate::progress::{How, Shown};
 
 const EXAMPLES: &str = "\
@@ -89,6 +90,9 @@ pub struct Options {
     /// Rates in °/h, angles in ″ of each sample or from the start (angle), or pulses
     #[arg(long, value_name = "KIND", default_value = "rate", value_parser = numbers())]
     data: Numbers,
+    /// Device that makes the noise, as for `sagnac run`
+    #[arg(help_heading = "Device", long, value_name = "DEVICE", default_value = "cpu")]
+    device: String,
     /// Form of files; h5 is HDF5, mcap ROS messages, raw 8-byte numbers
     #[arg(help_heading = "Output", long, value_name = "FORM", default_value = "csv", value_parser = form())]
     form: Form,
@@ -145,6 +149,8 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     };
     let simulation = Simulation::read(&options.input, &request)?;
     simulation.check(options.data, options.form)?;
+    let is_said = !options.quiet && options.device != "cpu";
+    let simulation = simulation.on(selected(&options.device, 0, is_said)?);
     let stem = options.input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let default = || Path::new("results").join(format!("{stem}_records"));
     let path = options.out.clone().unwrap_or_else(default);
@@ -174,10 +180,10 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
     }
     write_inputs(study, &folder)?;
     folder.write(STUDY, text.as_bytes())?;
-    let progress = Shown::new(if options.quiet { How::None } else { How::Auto });
+    let progress = Shown::new(if options.quiet { How::None } else { How::Auto }).terse();
     progress.start("records", 0, options.records);
     let records = options.first..options.first + options.records;
-    records.into_par_iter().try_for_each(|number| {
+    let written = records.into_par_iter().try_for_each(|number| {
         let name = format!("record_{number:05}.{}", options.form.ending());
         folder.write_by(&name, |to| simulation.write(number, options.data, options.form, to))?;
         for (table, text) in simulation.drawn(number) {
@@ -185,6 +191,10 @@ pub fn simulate(options: &Options) -> Result<(), Failure> {
         }
         progress.advance(1);
         Ok::<(), FolderError>(())
+    });
+    written.map_err(|error| match simulation.failure() {
+        Some(failure) => Failure::from(failure.clone()),
+        None => error.into(),
     })?;
     folder.commit()?;
     match options.quiet {

@@ -10,6 +10,8 @@ use crate::analysis::firmware::{find, swept, value_of};
 use sagnac_base::diagnostics::{StudyError, listed};
 use sagnac_base::quantity::number::short;
 use sagnac_base::text_file::{MAX_TOML, read_text};
+use sagnac_engine::device::samples::SharedDevice;
+use sagnac_engine::device::{Device, GpuError};
 use sagnac_engine::drift::Drift;
 use sagnac_engine::key::sweep::SweepValue;
 use sagnac_engine::kinds::allan::lower::theory::made_records;
@@ -46,6 +48,8 @@ pub struct Simulation {
     files: Vec<PathBuf>,
     /// Whether records have columns of the true motion.
     has_truth: bool,
+    /// The device that makes the noise; absent where the processor makes it sample by sample.
+    device: Option<SharedDevice>,
 }
 
 /// Why nothing can be simulated.
@@ -375,6 +379,7 @@ impl Simulation {
             added: Added::new(1, vec![], &[], None, of_records)?,
             files: vec![],
             has_truth: false,
+            device: None,
         })
     }
 
@@ -408,6 +413,18 @@ impl Simulation {
         );
         let files = BTreeMap::from([(name.to_owned(), text.as_bytes().to_vec())]);
         Simulation::of_study(&Study::parse_with("simulated.toml", &study, &files)?, &[], length_s)
+    }
+
+    /// The same records, whose noise a device makes; the processor makes it without one.
+    #[must_use]
+    pub fn on(self, device: Device) -> Simulation {
+        let device = (!matches!(device, Device::Cpu(_))).then(|| SharedDevice::new(device));
+        Simulation { device, ..self }
+    }
+
+    /// Why the device has failed, if it has.
+    pub fn failure(&self) -> Option<&GpuError> {
+        self.device.as_ref().and_then(SharedDevice::failure)
     }
 
     /// The study whose trials the records are, with the truth about their noise; one with sweeps has other points too.
@@ -494,12 +511,18 @@ impl Simulation {
                 return Box::new(self.added.temperatures().into_iter().flatten());
             }
             Content::Truth(axis) => Box::new(self.added.true_angles(record, axis).into_iter().flatten()),
-            Content::Reading(axis) if self.added.is_nothing() => {
-                Box::new(records.increments(self.added.number(record, axis)))
-            }
             Content::Reading(axis) => {
-                let turned = self.added.angles(record, axis);
-                Box::new(records.turned_increments(self.added.number(record, axis), turned))
+                let number = self.added.number(record, axis);
+                let made = self.device.as_ref().map(|device| device.angles(records.recipe(), number));
+                let turned = (!self.added.is_nothing()).then(|| self.added.angles(record, axis));
+                match (made, turned) {
+                    (None, None) => Box::new(records.increments(number)),
+                    (None, Some(turned)) => Box::new(records.turned_increments(number, turned)),
+                    (Some(made), None) => Box::new(records.increments_of(number, made)),
+                    (Some(made), Some(turned)) => {
+                        Box::new(records.turned_increments_of(number, made, turned))
+                    }
+                }
             }
         };
         let numbers: write::Numbers<'_> = match (numbers, content) {
@@ -546,10 +569,12 @@ impl Simulation {
     /// Writes the record `number`; it need not fit into memory.
     ///
     /// # Errors
-    /// `to` fails, or the form does not take such numbers, or so many.
+    /// `to` or the device fails, or the form does not take such numbers, or so many.
     pub fn write(&self, number: u64, numbers: Numbers, form: Form, to: &mut dyn Write) -> io::Result<()> {
-        let mut to = BufWriter::new(to);
-        write(form, &self.head(numbers), &|column| self.numbers(number, column, numbers), &mut to)?;
+        let mut to = BufWriter::new(WhileMade { to, simulation: self });
+        let contents = self.contents();
+        let column = |place: usize| self.column(number, contents[place], numbers);
+        write(form, &self.head(numbers), &column, &mut to)?;
         to.flush()
     }
 
@@ -589,6 +614,30 @@ impl Simulation {
         };
         let columns = self.contents().iter().map(about).collect();
         Head { columns, samples: self.samples, step_s: self.sample_s }
+    }
+}
+
+/// An output that takes nothing more once the device has failed.
+struct WhileMade<'t> {
+    to: &'t mut dyn Write,
+    simulation: &'t Simulation,
+}
+
+impl WhileMade<'_> {
+    fn check(&self) -> io::Result<()> {
+        self.simulation.failure().map_or(Ok(()), |failure| Err(io::Error::other(failure.clone())))
+    }
+}
+
+impl Write for WhileMade<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.check()?;
+        self.to.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.check()?;
+        self.to.flush()
     }
 }
 

@@ -1,10 +1,14 @@
 //! Synthetic records and their Allan sums: the same bits in every width, shader and division.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::devices::{adapters, open};
-use sagnac::device::Cpu;
-use sagnac::use_cases::{Numbers, SimulateRequest, Simulation};
+use sagnac::device::gpu::adapter::{Fault, Moment};
+use sagnac::device::samples::SharedDevice;
+use sagnac::device::{Cpu, Device, GpuError};
+use sagnac::record::write::Form;
+use sagnac::use_cases::{MotionText, Numbers, SimulateRequest, Simulation};
 use sagnac_engine::kinds::allan::Allan;
 use sagnac_engine::kinds::allan::lower::theory::LoweredCurve;
 use sagnac_engine::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
@@ -248,4 +252,71 @@ fn record_7_of_seed_3_is_the_samples_that_simulate_writes_on_every_device() {
             }
         }
     }
+}
+
+#[test]
+fn angles_made_in_segments_are_those_made_one_after_the_other() {
+    let blocks = [(1, 70), (3, 4096)];
+    let check = |shared: SharedDevice, name: &str| {
+        for (recipe_name, recipe) in recipes() {
+            for ((chunks, segments), number) in blocks.into_iter().zip([(1 << 32) - 1, 1 << 40]) {
+                let made = shared.clone().in_blocks(chunks, segments).angles(&recipe, number);
+                let is_same = made.eq(recipe.unread().angles(number));
+                assert_eq!(shared.failure(), None, "{name}");
+                assert!(is_same, "{recipe_name}, record {number}: {name}, {segments} times {chunks} chunks");
+            }
+        }
+    };
+    let cpus = Width::available().into_iter().map(|width| Device::Cpu(Cpu::new(width, 2).unwrap()));
+    cpus.for_each(|cpu| check(SharedDevice::new(cpu), "the processor"));
+    for adapter in adapters() {
+        for int64 in [true, false].into_iter().filter(|int64| adapter.has_int64() || !int64) {
+            let gpu = open(&adapter, Variant { int64, checked: int64, workgroup: 64 });
+            let name = format!("{}, 64 bits {int64}", gpu.name());
+            check(SharedDevice::new(Device::Gpu(Box::new(gpu))), &name);
+        }
+    }
+}
+
+#[test]
+fn a_device_makes_the_numbers_that_simulate_writes_without_one() {
+    let switched = STUDY.replace("readout_lsb = \"0.02 arcsec\"\n", "")
+        + "[noise.switching]\ninterval = \"0.63 s\"\nmagnetic = \"30 deg/h\"\nresidual = \"0.4 arcsec\"\n";
+    let motion =
+        || MotionText { axis: 2, name: "own.toml".to_owned(), text: "rate = \"200 deg/h\"".to_owned() };
+    let request = SimulateRequest { three_axes: true, motions: vec![motion()], ..Default::default() };
+    for (text, request) in
+        [(STUDY, &SimulateRequest::default()), (STUDY, &request), (&switched, &SimulateRequest::default())]
+    {
+        let simulation = || Simulation::parse("study.toml", text, request).unwrap();
+        for adapter in adapters() {
+            let gpu = open(&adapter, Variant { int64: false, checked: false, workgroup: 64 });
+            let made = simulation().on(Device::Gpu(Box::new(gpu)));
+            for axis in 0..made.axes() {
+                let expected: Vec<f64> = simulation().numbers(7, axis, Numbers::Increment).collect();
+                let found: Vec<f64> = made.numbers(7, axis, Numbers::Increment).collect();
+                assert!(
+                    found == expected && found.len() == 2000,
+                    "{}, axis {axis} of {text}",
+                    adapter.name()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_device_that_is_lost_ends_the_record_with_an_error() {
+    let adapter = &adapters()[0];
+    let mut gpu = open(adapter, Variant { int64: false, checked: false, workgroup: 64 });
+    let tiles = AtomicU64::new(0);
+    gpu.inject(Arc::new(move |moment| {
+        let is_fifth = matches!(moment, Moment::Tile(_)) && tiles.fetch_add(1, Ordering::Relaxed) == 4;
+        is_fifth.then_some(Fault::LostBefore)
+    }));
+    let simulation = Simulation::parse("study.toml", STUDY, &SimulateRequest::default()).unwrap();
+    let simulation = simulation.on(Device::Gpu(Box::new(gpu)));
+    let error = simulation.write(7, Numbers::Rate, Form::Csv, &mut std::io::sink()).unwrap_err();
+    assert!(error.to_string().contains("lost"), "{error}");
+    assert!(matches!(simulation.failure(), Some(GpuError::Lost(_))));
 }

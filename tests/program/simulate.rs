@@ -610,3 +610,28 @@ fn long_records_are_refused_only_where_their_noise_cannot_be_made() {
         &["accepted: 16 to 2147483584 samples"],
     );
 }
+
+#[test]
+fn records_that_a_gpu_makes_are_those_of_the_processor_byte_for_byte() {
+    let desk = desk();
+    let noise = format!("{NOISE}bias_instability = \"1 deg/h\"\nreadout_lsb = \"0.5 arcsec\"\n");
+    desk.write("full.toml", &noise);
+    desk.write("motion.toml", "rate = \"40 deg/h\"\n");
+    let command = "simulate full.toml --rate 10Hz --length 20min --records 3 --axes 3 --motion motion.toml";
+    for form in ["csv", "npz"] {
+        for device in ["cpu", "gpu"] {
+            let ended =
+                desk.done(&format!("{command} --form {form} --device {device} --out {form}_{device}"));
+            assert!(!ended.stderr.contains("0 of 3"), "nothing is done yet: {}", ended.stderr);
+        }
+        for number in 0..3 {
+            let read = |device: &str| {
+                std::fs::read(desk.path(&format!("{form}_{device}/record_0000{number}.{form}"))).unwrap()
+            };
+            assert!(read("gpu") == read("cpu"), "record {number} as {form}");
+        }
+    }
+    let unknown = "no device is called `abacus`; the devices are auto, cpu";
+    desk.fails(&format!("{command} --device abacus --out none"), 2, &[unknown]);
+    desk.fails(&format!("{command} --device gpu:99 --out none"), 2, &["no device is called `gpu:99`"]);
+}

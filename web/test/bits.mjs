@@ -57,7 +57,7 @@ try {
   }
   // A GPU in software is slow: it makes few trials, as many as workers make beside it.
   const [gpu, workers] = [await browser.open(`${site.origin}/?webgpu`), await browser.open(site.origin)];
-  // It compiles 64 shaders, which takes minutes in software.
+  // It compiles 67 shaders, which takes minutes in software.
   if (isWhole) expect("WebGPU: kernels", await gpu.evaluate(digestOnGpu, 4096), kernels());
   for (const { name, study: { trials, ...study } } of studies(gallery)) {
     const few = Math.min(trials, FEW);

@@ -119,15 +119,15 @@ impl Recipe {
         chunks.take(angles)
     }
 
-    /// The angles before whole pulses are read, as [`Recipe::angles`] gives them, and the angle in a pulse at which the reading
-    /// starts.
-    ///
-    /// # Panics
-    /// The recipe does not [fit](Recipe::fits).
-    pub fn unread_angles(&self, number: u64) -> (impl Iterator<Item = u32> + use<>, u32) {
+    /// The recipe of the angles before drift is added and whole pulses are read.
+    pub fn unread(&self) -> Recipe {
+        Recipe { pulse: None, drift: Arc::new([]), ..self.clone() }
+    }
+
+    /// The angle in a pulse at which the reading of the record `number` starts; 0 where no whole pulses are read.
+    pub fn start(&self, number: u64) -> u32 {
         let start = Address::new(self.key, number).draw(Purpose::RecordStart, 0)[0].0;
-        let within = self.pulse.map_or(0, |bits| start & ((1 << bits) - 1));
-        (Recipe { pulse: None, ..self.clone() }.angles(number), within)
+        self.pulse.map_or(0, |bits| start & ((1 << bits) - 1))
     }
 
     /// Adds the noise to a shader: its files, sizes and options, and its parameters, which `fields` follow.

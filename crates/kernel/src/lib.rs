@@ -88,6 +88,7 @@ twins! {
         switched_run,
         relock,
         allan,
+        samples,
         lock_in,
         navigation,
     }

@@ -47,6 +47,12 @@ struct Hold<W> {
 impl<W: Word> Noise<W> {
     #[inline(always)]
     pub fn begin(recipe: &Recipe, address: Address<W>) -> Noise<W> {
+        Noise::begin_at(recipe, address, 0)
+    }
+
+    /// The state before sample `first`, a multiple of a chunk, except what adds up from sample to sample: see [`Noise::sums`].
+    #[inline(always)]
+    pub(crate) fn begin_at(recipe: &Recipe, address: Address<W>, first: usize) -> Noise<W> {
         let zero = W::splat(0);
         let words = address.draw(Purpose::RecordStart, 0);
         let mut noise = Noise {
@@ -66,18 +72,39 @@ impl<W: Word> Noise<W> {
         if let Some([_, _, start]) = recipe.markov {
             noise.markov = normal(words[2]).mul_wide(W::splat(start));
         }
+        if let Some([step, _]) = recipe.sine {
+            noise.phase = noise.phase + W::splat(step.wrapping_mul(first as u32));
+        }
         for octave in 1..recipe.octaves() {
             let grid = address.draw(Purpose::FlickerGrid, octave);
             // The hold in which the record starts has number 0.
-            let first = address.draw_beyond(Purpose::Flicker, octave, 0);
+            let number = first >> octave;
+            let place = first & ((1 << octave) - 1);
+            let of_block = if octave < FOUR_STREAMS { 4 } else { 1 };
+            let words = address.draw_beyond(Purpose::Flicker, octave, number / of_block);
+            // Within a hold the next one is drawn.
+            let next = match place {
+                0 => words,
+                _ => address.draw_beyond(Purpose::Flicker, octave, number + 1),
+            };
             for stream in 0..streams(octave) {
-                let value = scaled(first[stream], recipe.flicker[octave - 1]);
-                noise.flicker = noise.flicker + value;
-                noise.holds[octave][stream] =
-                    Hold { value, change: zero, grid: grid[stream] >> (32 - octave as u32) };
+                let word = stream + number % of_block;
+                let before = scaled(words[word], recipe.flicker[octave - 1]);
+                let value = scaled(next[word], recipe.flicker[octave - 1]);
+                let hold = Hold { value, change: value - before, grid: grid[stream] >> (32 - octave as u32) };
+                // All ones where it has begun.
+                let begun = zero - ((hold.grid - W::splat(place as u32)) >> 31);
+                noise.flicker = noise.flicker + before + (hold.change & begun);
+                noise.holds[octave][stream] = hold;
             }
         }
         noise
+    }
+
+    /// What adds up from sample to sample: the angle, the random walk and the Markov noise of the rate, and the fill residuals.
+    // Only here: the shader names them one by one.
+    pub(crate) fn sums(&mut self) -> [&mut W::Wide; 4] {
+        [&mut self.angle, &mut self.walk, &mut self.markov, &mut self.residuals]
     }
 
     /// Computes the angles of the chunk that starts at sample `first`, in place of the changes of its flicker noise.

@@ -4,6 +4,7 @@
 pub mod gpu;
 pub mod group;
 pub mod remote;
+pub mod samples;
 pub mod select;
 pub(crate) mod tile;
 

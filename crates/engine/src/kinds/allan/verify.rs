@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::device::{Work, Workload};
 use crate::key::Unrepresentable;
 use crate::kinds::allan::lower::{Asked, Records};
+use sagnac_kernel::samples::Segments;
 use sagnac_theory::allan::{Difference, Estimator, Part, Process, Stride};
 use sagnac_theory::drift::{Magnetic, Switching};
 
@@ -66,14 +67,29 @@ impl NamedRecords {
     }
 }
 
-/// The loads on which the kernel is checked.
+/// The loads on which the kernels are checked.
 pub fn loads() -> Vec<Workload> {
     let load = |named: NamedRecords| Workload {
         name: named.name,
         work: Work::Records(Arc::new(named.lowered().recipe().clone())),
         self_test_units: (named.name == "everything").then_some(40 * named.samples),
     };
-    named_records().into_iter().map(load).collect()
+    // Segments from anywhere in a record.
+    let starts = [[0; 4], [1 << 50, -(1 << 45), 1 << 40, -7], [-1, 1 << 33, -(1 << 44), 1 << 52]];
+    let segments = |(name, of, has_angles): (&'static str, usize, bool)| {
+        let recipe = named_records()[of].lowered().recipe().clone();
+        Workload {
+            name,
+            work: Work::Records(Arc::new(Segments::new(&recipe, u64::from(u32::MAX), 3, 3, &starts, has_angles))),
+            self_test_units: (name == "everything-segments").then_some(5000),
+        }
+    };
+    let of = [
+        ("lgk-400-segments", 1, true),
+        ("everything-segments", 2, true),
+        ("everything-switched-ends", 5, false),
+    ];
+    named_records().into_iter().map(load).chain(of.map(segments)).collect()
 }
 
 /// Records that cover every distinction made by the kernel.

@@ -222,9 +222,26 @@ impl Records {
     /// The angles between the samples of the record `number`, ″, in their order. They contain the constant rate, and their
     /// variances are those of the record's sums.
     pub fn increments(&self, number: u64) -> impl Iterator<Item = f64> {
+        self.of_read(self.recipe.angles(number))
+    }
+
+    /// The angles of [`Records::increments`] from the `unread` angles of the record, which a
+    /// [device](crate::device::samples) made.
+    pub fn increments_of(&self, number: u64, unread: impl Iterator<Item = u32>) -> impl Iterator<Item = f64> {
+        let (start, pulse) = (self.recipe.start(number), self.fixed.pulse);
+        let read = move |angle: u32| pulse.map_or(angle, |bits| angle.wrapping_add(start) & (u32::MAX << bits));
+        self.of_read(self.drifted(unread).map(read))
+    }
+
+    fn of_read(&self, angles: impl Iterator<Item = u32>) -> impl Iterator<Item = f64> {
         let (whole, omitted) = self.constant();
-        let steps = steps(self.recipe.angles(number), whole);
-        steps.map(move |step| step as f64 * self.fixed.lsb_arcsec + omitted)
+        steps(angles, whole).map(move |step| step as f64 * self.fixed.lsb_arcsec + omitted)
+    }
+
+    /// The angles with the drift common to all records.
+    fn drifted(&self, unread: impl Iterator<Item = u32>) -> impl Iterator<Item = u32> {
+        let drift = self.recipe.drift.iter().copied().chain(std::iter::repeat(0));
+        unread.zip(drift).map(|(angle, drift)| angle.wrapping_add(drift))
     }
 
     /// The angles of [`Records::increments`] for a gyro that also turns by the angles `turned` in each sample, in
@@ -234,8 +251,19 @@ impl Records {
         number: u64,
         turned: impl Iterator<Item = i128>,
     ) -> impl Iterator<Item = f64> {
+        self.turned_increments_of(number, self.recipe.unread().angles(number), turned)
+    }
+
+    /// The angles of [`Records::turned_increments`] from the `unread` angles of the record, which a
+    /// [device](crate::device::samples) made.
+    pub fn turned_increments_of(
+        &self,
+        number: u64,
+        unread: impl Iterator<Item = u32>,
+        turned: impl Iterator<Item = i128>,
+    ) -> impl Iterator<Item = f64> {
         let (whole, omitted) = self.constant();
-        let (angles, start) = self.recipe.unread_angles(number);
+        let (angles, start) = (self.drifted(unread), self.recipe.start(number));
         let pulse = self.fixed.pulse;
         let unit = self.fixed.lsb_arcsec;
         let (mut angle, mut read) = (i128::from(start) << MOTION_BITS, 0);
