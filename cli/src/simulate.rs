@@ -30,7 +30,7 @@ Examples:
   sagnac simulate noise.toml --rate 100Hz --length 1h
   sagnac simulate noise.toml --rate 1Hz --length 9h --records 20 --seed 3 --form npy --out lab
   sagnac simulate studies/record_length.toml --at length=4h --data increment
-  sagnac simulate studies/smoke.toml --at gap_ticks=3 --length 60s --switch-every 1s --truth --form h5
+  sagnac simulate studies/smoke.toml --at gap_ticks=3 --length 60s --switch-every 1s --form h5
   sagnac simulate noise.toml --rate 1kHz --length 60s --motion my.toml --axes 3 --out moving";
 
 /// The file of the study whose trials the records are.

@@ -87,11 +87,11 @@ impl<W: Word> Noise<W> {
                 0 => words,
                 _ => address.draw_beyond(Purpose::Flicker, octave, number + 1),
             };
-            for stream in 0..streams(octave) {
+            for (stream, grid) in grid.into_iter().enumerate().take(streams(octave)) {
                 let word = stream + number % of_block;
                 let before = scaled(words[word], recipe.flicker[octave - 1]);
                 let value = scaled(next[word], recipe.flicker[octave - 1]);
-                let hold = Hold { value, change: value - before, grid: grid[stream] >> (32 - octave as u32) };
+                let hold = Hold { value, change: value - before, grid: grid >> (32 - octave as u32) };
                 // All ones where it has begun.
                 let begun = zero - ((hold.grid - W::splat(place as u32)) >> 31);
                 noise.flicker = noise.flicker + before + (hold.change & begun);
