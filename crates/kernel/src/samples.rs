@@ -149,7 +149,9 @@ impl Recorded for Segments {
     fn sums(&self, _width: Width, first: u64, count: usize) -> Vec<u128> {
         let value = |words: &[u32]| words.iter().rev().fold(0, |value, &word| value << 32 | u128::from(word));
         let numbers = first..first + count as u64;
-        numbers.flat_map(|number| self.segment(number).chunks(SUM_WORDS).map(value).collect::<Vec<_>>()).collect()
+        numbers
+            .flat_map(|number| self.segment(number).chunks(SUM_WORDS).map(value).collect::<Vec<_>>())
+            .collect()
     }
 
     fn shortened(&self, samples: u32) -> Arc<dyn Recorded> {
@@ -194,7 +196,8 @@ impl Markov {
     pub fn new(recipe: &Recipe, number: u64) -> Option<Markov> {
         recipe.markov?;
         let (flicker, sine, switching) = (vec![], None, None);
-        let recipe = Recipe { white: 0, walk: 0, flicker, sine, quantization: 0, switching, ..recipe.unread() };
+        let recipe =
+            Recipe { white: 0, walk: 0, flicker, sine, quantization: 0, switching, ..recipe.unread() };
         let noise = Noise::begin(&recipe, Address::new(recipe.key, number));
         Some(Markov { recipe, noise, chunk: 0 })
     }
