@@ -415,7 +415,7 @@ impl Simulation {
         Simulation::of_study(&Study::parse_with("simulated.toml", &study, &files)?, &[], length_s)
     }
 
-    /// The same records, whose noise a device makes; the processor makes it without one.
+    /// Lets `device` make the noise of the records, with the same bits.
     #[must_use]
     pub fn on(self, device: Device) -> Simulation {
         let device = (!matches!(device, Device::Cpu(_))).then(|| SharedDevice::new(device));
@@ -463,8 +463,8 @@ impl Simulation {
         self.files.iter().map(PathBuf::as_path).chain(motions)
     }
 
-    /// What is drawn for all axes of the record `number`, as tables in CSV with their names: the tones of the motion and the drift of runs,
-    /// if there are some.
+    /// Tables in CSV, with their names, of the random values of the record `number`: the tones of the motion and the drift of runs of
+    /// each axis, if there are some.
     pub fn drawn(&self, number: u64) -> Vec<(&'static str, String)> {
         let [mut tones, mut drifts] = [const { String::new() }; 2];
         for (axis, motion) in self.added.motions.iter().enumerate() {
