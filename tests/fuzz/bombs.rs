@@ -1,4 +1,4 @@
-//! Files that promise or unpack to far more than they hold: each is refused, or read, within a second and a part of 1 GiB.
+//! Files that promise or unpack to far more than they hold: each is refused, or read, within seconds and a part of 1 GiB.
 
 use std::io::{Cursor, Write};
 use std::time::Duration;
@@ -13,9 +13,9 @@ use zip::write::SimpleFileOptions;
 use crate::cases::records::run;
 use crate::limits::{Taken, within};
 
-/// Most bytes and time of a file.
+/// Most bytes and time of a file: the slowest takes half a second of a fast processor and four times that of a slow one.
 const MAX_BYTES: usize = 1 << 29;
-const MAX_TIME: Duration = Duration::from_secs(2);
+const MAX_TIME: Duration = Duration::from_secs(8);
 
 /// The header of a .npy file of this shape.
 fn npy(shape: &str) -> Vec<u8> {

@@ -180,7 +180,7 @@ fn nothing_is_computed_once_the_output_fails() {
         let start = Instant::now();
         assert!(simulation.write(0, Numbers::Rate, form, &mut Full(1 << 20)).is_err(), "{form:?}");
         // The whole record takes several seconds.
-        assert!(start.elapsed().as_secs_f64() < 0.5, "{form:?}");
+        assert!(start.elapsed().as_secs_f64() < 1.0, "{form:?}");
     }
 }
 

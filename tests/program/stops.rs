@@ -114,7 +114,7 @@ fn a_second_signal_leaves_at_once() {
     let sent = Instant::now();
     let (code, said) = ended(child);
     assert_eq!(code, Some(143), "{said}");
-    assert!(sent.elapsed() < Duration::from_millis(500), "it took {:?}", sent.elapsed());
+    assert!(sent.elapsed() < Duration::from_secs(1), "it took {:?}", sent.elapsed());
     assert!(
         said.contains("SIGINT: stopping after this batch") && said.contains("stopped by SIGTERM"),
         "{said}"
@@ -215,7 +215,7 @@ fn planning_is_shown_and_ends_at_once() {
         let sent = Instant::now();
         let said: Vec<String> = lines.map(Result::unwrap).collect();
         assert_eq!(child.wait().unwrap().code(), Some(code), "{said:?}");
-        assert!(sent.elapsed() < Duration::from_millis(500), "{:?}: {said:?}", sent.elapsed());
+        assert!(sent.elapsed() < Duration::from_secs(1), "{:?}: {said:?}", sent.elapsed());
         assert!(said[0].starts_with("stopped by SIG"), "{said:?}");
     }
     let started = Instant::now();
