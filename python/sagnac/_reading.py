@@ -25,13 +25,15 @@ Given: TypeAlias = tuple[_sagnac.Log | Numbers, Reading, str]
 
 
 def curve_of(
-    data: object, unit: str | None, name: str | None, interval: str | None
+    data: object, rate: float | None, unit: str | None, name: str | None, interval: str | None
 ) -> tuple[_sagnac.Curve, str] | None:
     """A curve with what it is called, of a tuple of averaging times, deviations and perhaps the ends of their intervals, or of the path
     of such a file; None for a record."""
     if isinstance(data, (str, os.PathLike)):
         path = Path(data)
-        return (_sagnac.read_curve(path, unit, interval), name or str(path)) if _sagnac.is_curve(path) else None
+        if not _sagnac.is_curve(path):
+            return None
+        return _sagnac.read_curve(path, unit, interval, None if rate is None else step_of(rate)), name or str(path)
     if not isinstance(data, tuple) or not 2 <= len(data) <= 4 or any(np.ndim(column) != 1 for column in data):
         return None
     if len(data) == 3 or len({len(column) for column in data}) != 1:
@@ -39,7 +41,8 @@ def curve_of(
     if unit is None:
         raise UsageError('unit is missing, which a curve does not say\nadd for example unit="deg/h"')
     columns = [np.asarray(column, dtype=np.float64).tolist() for column in data]
-    return _sagnac.curve_of(name or "curve", columns, unit, interval), name or "curve"
+    step = None if rate is None else step_of(rate)
+    return _sagnac.curve_of(name or "curve", columns, unit, interval, step), name or "curve"
 
 
 def refuse_interval(curve_interval: str | None) -> None:

@@ -226,7 +226,7 @@ def compare(
         if isinstance(data, Mapping) or (isinstance(data, (str, os.PathLike)) and str(data).endswith(".toml")):
             path, text = _source(data)
             return (path, text), name or (str(path) if path else "AB"[place])
-        curve = curve_of(data, units[place], name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place]), curve_interval)
+        curve = curve_of(data, rates[place], units[place], name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place]), curve_interval)
         if curve is not None:
             return curve
         record, reading, called = reading_of(
@@ -238,7 +238,7 @@ def compare(
     if not any(isinstance(found, _sagnac.Curve) for found in (first, second)):
         refuse_interval(curve_interval)
     if not any(isinstance(found, tuple) and isinstance(found[-1], Reading) for found in (first, second)):
-        refuse_for_curve(compare, given, ("a", "b", "unit", "names", "terms", "limits", "curve_interval"))
+        refuse_for_curve(compare, given, ("a", "b", "rate", "unit", "names", "terms", "limits", "curve_interval"))
     return _analysis(_sagnac.compare((first, second), (one, other), _terms(terms), limits_of(limits)))
 
 

@@ -19,7 +19,7 @@ MAX_STATES = 3
 
 #: What a curve takes of the arguments of :func:`model`.
 CURVE_ARGUMENTS = (
-    "data", "unit", "name", "terms", "curve_interval", "from_s", "to_s", "bound", "margin", "states", "quantization", "filter_rate", "write",
+    "data", "rate", "unit", "name", "terms", "curve_interval", "from_s", "to_s", "bound", "margin", "states", "quantization", "filter_rate", "write",
 )  # fmt: skip
 
 
@@ -136,7 +136,7 @@ def model(
         return _analysis(_sagnac.model_of_noise(path, text, wanted))
     if data is None:
         raise UsageError("neither a record nor noise is given\ngive data, or noise=")
-    if (curve := curve_of(data, unit, name, curve_interval)) is not None:
+    if (curve := curve_of(data, rate, unit, name, curve_interval)) is not None:
         refuse_for_curve(model, given, CURVE_ARGUMENTS)
         return _analysis(_sagnac.model_of_curve(*curve, _terms(terms), wanted))
     refuse_interval(curve_interval)

@@ -36,6 +36,7 @@ class Wanted(NamedTuple):
     data: str
     first: int
     records: int
+    device: str
     threads: int
 
 
@@ -57,6 +58,7 @@ def simulate(
     temperature_coefficient: str | None = None,
     truth: bool = False,
     data: Literal["rate", "increment", "angle", "pulses"] = "rate",
+    device: str = "cpu",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
     """Records of a gyro with some noise, at rest or with a motion, as ``sagnac simulate`` writes them, to the last bit.
@@ -93,6 +95,8 @@ def simulate(
         Whether the true motion is returned too.
     data
         ``rate`` in °/h, or angles in ″: ``increment`` of each sample, or ``angle`` from the start; or ``pulses`` of each sample.
+    device
+        The device that makes the noise, as of :func:`run`.
     threads
         Threads of the processor; by default all logical cores.
 
@@ -109,6 +113,8 @@ def simulate(
         The noise or the study is invalid; the message shows the place.
     UsageError
         An argument is missing or not accepted, or the file cannot be read.
+    DeviceError
+        The device failed.
 
     Examples
     --------
@@ -140,6 +146,7 @@ def simulate(
         data,
         _whole("first", first, 0, MAX_TRIALS - MAX_RECORDS),
         _whole("records", records, 1, MAX_RECORDS),
+        device,
         _threads(threads),
     )
     return _sagnac.simulate(path, text, wanted)

@@ -19,7 +19,7 @@ from .studies import _whole
 
 
 #: What a curve takes of the arguments of :func:`analyze`.
-CURVE_ARGUMENTS = ("data", "unit", "name", "terms", "fit_from", "fit_to", "force", "limits", "curve_interval")
+CURVE_ARGUMENTS = ("data", "rate", "unit", "name", "terms", "fit_from", "fit_to", "force", "limits", "curve_interval")
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def analyze(
     data, rate, unit, kind, deviation, taus, confidence, intervals, detrend, remove_outliers, unit_check, threads
         As for :func:`allan`; a log may have several columns. The record is copied. Or a curve of a paper or another tool: a tuple of
         averaging times, s, and Allan deviations, and of the lower and upper ends of their 95 % intervals, which are else taken as ±10 %;
-        or the path of a file with such columns. It takes ``unit``, ``name``, ``terms``, ``fit_from``, ``fit_to``, ``force``, ``limits`` and ``curve_interval``.
+        or the path of a file with such columns. It takes ``rate``, ``unit``, ``name``, ``terms``, ``fit_from``, ``fit_to``, ``force``, ``limits`` and ``curve_interval``.
     name
         What the record is called; by default the name of its file, or ``record`` for an array.
     terms, fit_from, fit_to, force, bootstrap
@@ -111,7 +111,8 @@ def analyze(
     segment, segment_detrend, limits
         As for :func:`psd`.
     curve_interval
-        Half the 95 % interval of each point of a curve, such as ``"10%"``, or the length of its record, such as ``"9 h"``.
+        Half the 95 % interval of each point of a curve, such as ``"10%"``, or the length of its record, such as ``"9 h"``,
+        with which ``rate`` makes its fit that of the record.
     remove_events
         Removes what the record holds besides noise, as it is listed in ``events.csv``.
 
@@ -133,7 +134,7 @@ def analyze(
     'N = 0.05 °/√'
     """
     given = dict(locals())
-    if (curve := curve_of(data, unit, name, curve_interval)) is not None:
+    if (curve := curve_of(data, rate, unit, name, curve_interval)) is not None:
         refuse_for_curve(analyze, given, CURVE_ARGUMENTS)
         return _analysis(
             _sagnac.analyze_curve(

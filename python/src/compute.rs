@@ -39,5 +39,5 @@ pub fn read_on<T: Send>(
 
 fn install<T: Send>(threads: usize, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| Failure::Threads(error.to_string()))?.install(work)
+    pool.map_err(|error| Failure::Device(format!("cannot start threads: {error}")))?.install(work)
 }

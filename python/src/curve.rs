@@ -52,27 +52,29 @@ fn errors_of(text: &str) -> Result<Errors, Failure> {
 
 /// Reads the curve at `path`.
 #[pyfunction]
-#[pyo3(signature = (path, unit, interval))]
+#[pyo3(signature = (path, unit, interval, step_s))]
 pub fn read_curve(
     py: Python,
     path: PathBuf,
     unit: Option<String>,
     interval: Option<String>,
+    step_s: Option<f64>,
 ) -> PyResult<Curve> {
     let errors = interval.as_deref().map(errors_of).transpose()?;
-    let request = CurveRequest { unit, errors, ..CurveRequest::default() };
+    let request = CurveRequest { unit, errors, step_s, ..CurveRequest::default() };
     compute_on(py, 0, || Ok(Curve { read: CurveFile::read(&path, &request)? }))
 }
 
 /// A curve called `name` from its columns: averaging times, s, deviations, and the ends of their 95 % intervals, if there are some.
 #[pyfunction]
-#[pyo3(signature = (name, columns, unit, interval))]
+#[pyo3(signature = (name, columns, unit, interval, step_s))]
 pub fn curve_of(
     py: Python,
     name: String,
     columns: Vec<Vec<f64>>,
     unit: String,
     interval: Option<String>,
+    step_s: Option<f64>,
 ) -> PyResult<Curve> {
     const NAMES: [&str; 4] = ["tau", "adev", "low", "high"];
     let names: Vec<&str> = NAMES.into_iter().take(columns.len()).collect();
@@ -83,7 +85,7 @@ pub fn curve_of(
     });
     let text: Vec<String> = std::iter::once(names.join(",")).chain(rows).collect();
     let errors = interval.as_deref().map(errors_of).transpose()?;
-    let request = CurveRequest { unit: Some(unit), errors, ..CurveRequest::default() };
+    let request = CurveRequest { unit: Some(unit), errors, step_s, ..CurveRequest::default() };
     compute_on(py, 0, || Ok(Curve { read: CurveFile::parse(&name, &text.join("\n"), &request)? }))
 }
 

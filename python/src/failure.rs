@@ -39,7 +39,8 @@ pub enum Failure {
     Select(SelectError),
     Run(RunError),
     Write(String),
-    Threads(String),
+    /// A device or threads that do not work.
+    Device(String),
     /// An exception raised by a function of the caller, or an interruption.
     Python(PyErr),
     /// A panic, which Rust has printed on the standard error stream.
@@ -68,7 +69,7 @@ impl From<Failure> for PyErr {
             )),
             Failure::Run(RunError::Refused(error)) => RecordError::new_err(told(&error.to_string())),
             Failure::Write(message) => StorageError::new_err(told(&message)),
-            Failure::Threads(message) => DeviceError::new_err(format!("cannot start threads: {message}")),
+            Failure::Device(message) => DeviceError::new_err(message),
             Failure::Python(error) => error,
             Failure::Panic => InternalError::new_err(
                 "the program reached an invalid state: this is a fault of sagnac, and nothing is wrong with \
@@ -200,7 +201,7 @@ impl From<DecisionError> for Failure {
             DecisionError::Study(error) => Failure::Study(error),
             DecisionError::Run(error) => Failure::Run(error),
             DecisionError::Column(_) => Failure::Usage(error.to_string()),
-            DecisionError::Threads(_) => Failure::Threads(error.to_string()),
+            DecisionError::Threads(_) => Failure::Device(error.to_string()),
         }
     }
 }

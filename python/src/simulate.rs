@@ -10,6 +10,7 @@ use sagnac::use_cases::{
 };
 
 use sagnac::record::write::Form;
+use sagnac::verify::select;
 
 use super::argument::word;
 use super::compute::compute_on;
@@ -34,6 +35,7 @@ pub struct Wanted {
     data: String,
     first: u64,
     records: usize,
+    device: String,
     threads: usize,
 }
 
@@ -97,6 +99,7 @@ pub fn simulate<'py>(
             None => Simulation::parse("given", &text, &request)?,
         };
         simulation.check(numbers, Form::Raw)?;
+        let simulation = simulation.on(select(&wanted.device, 1)?.device);
         let (columns, samples) = (simulation.columns(), simulation.samples() as usize);
         let rows = wanted.records * columns;
         let mut values: Vec<f64> = Vec::new();
@@ -110,6 +113,9 @@ pub fn simulate<'py>(
             let numbers = simulation.numbers(wanted.first + (row / columns) as u64, row % columns, numbers);
             values.iter_mut().zip(numbers).for_each(|(place, value)| *place = value);
         });
+        if let Some(failure) = simulation.failure() {
+            return Err(Failure::Device(format!("{failure}\nuse device=\"cpu\"")));
+        }
         let shape = match columns {
             1 => vec![wanted.records, samples],
             _ => vec![wanted.records, columns, samples],

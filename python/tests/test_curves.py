@@ -40,6 +40,12 @@ def test_the_noise_of_a_curve_is_that_of_the_program(program: Program) -> None:
         assert given.data["tables"] == expected["tables"]
         [n] = [row["value"] for row in given.data["tables"]["coefficients"] if row["coefficient"] == "N"]
         assert n == pytest.approx(0.05)
+    expected = program("allan", "curve.csv", *READ, "--curve-interval", "9h", "--rate", "2Hz")
+    for data in (path, columns):
+        found = sagnac.analyze(data, 2.0, unit="deg/h", curve_interval="9 h")
+        assert found.data["tables"] == expected["tables"]
+    with pytest.raises(sagnac.UsageError, match="rate=0"):
+        sagnac.analyze(columns, 0.0, unit="deg/h", curve_interval="9 h")
 
 
 def test_a_model_and_a_comparison_take_curves(program: Program) -> None:

@@ -33,6 +33,16 @@ def test_records_have_the_bits_of_the_program(program: Program, data: Any) -> No
     assert alone.tobytes() == expected[1].tobytes()
 
 
+def test_a_gpu_makes_the_same_bits(program: Program) -> None:
+    devices = subprocess.run([program.path, "device", "list"], check=True, capture_output=True, text=True).stdout
+    if "gpu:0" not in devices:
+        pytest.skip("there is no adapter")
+    on_processor, on_gpu = (
+        sagnac.simulate(NOISE, rate=10.0, length=500.0, seed=3, first=6, records=3, device=device) for device in ("cpu", "gpu:0")
+    )
+    assert on_gpu.tobytes() == on_processor.tobytes()
+
+
 def test_motion_has_the_bits_of_the_program(program: Program) -> None:
     (program.folder / "noise.toml").write_text(TEXT)
     motion = {"amplitude": "90 arcsec", "frequency": "1.3 Hz"}
@@ -121,6 +131,7 @@ def test_a_point_of_a_study_is_chosen_by_its_swept_keys(studies: Path) -> None:
         (NOISE, {"rate": 1.0, "length": 60.0, "scale_factor": "2"}, sagnac.UsageError, "ppm"),
         (NOISE, {"rate": 1.0, "length": 60.0, "temperature": (20, 60)}, sagnac.UsageError, "temperature_coefficient="),
         (NOISE, {"rate": 1.0, "length": 60.0, "temperature": (20, -300), "temperature_coefficient": "1 deg/h/K"}, sagnac.UsageError, "°C"),
+        (NOISE, {"rate": 1.0, "length": 60.0, "device": "no such"}, sagnac.UsageError, "no such"),
         ("nowhere.toml", {}, sagnac.UsageError, "cannot read nowhere.toml"),
     ],
 )

@@ -211,8 +211,7 @@ impl Simulation {
             all.push((*axis, RecordMotion::parse(name, text, samples)?, truth));
         }
         if *has_truth && all.is_empty() {
-            let message =
-                "columns of the true motion are asked for, but there is no motion\ngive `motion = FILE`";
+            let message = "columns of the true motion are asked for, but there is no motion\ngive `motion = FILE`, or a study that has a motion";
             return Err(SimulateError::Request(message.to_owned()));
         }
         let added = Added::new(axes, all, sensitivities, *warming, samples)?;
