@@ -23,16 +23,24 @@ pub fn adapters() -> Vec<Adapter> {
     adapters
 }
 
+/// Invocations of a workgroup.
+const WORKGROUPS: [u32; 3] = [32, 64, 128];
+
 /// Every way to build the shaders that an adapter can run.
 pub fn variants(adapter: &Adapter) -> Vec<Variant> {
     let products: &[bool] = if adapter.has_int64() { &[true, false] } else { &[false] };
     let mut all = Vec::new();
     for &int64 in products {
         for checked in [false, true] {
-            all.extend([32, 64, 128].map(|workgroup| Variant { int64, checked, workgroup }));
+            all.extend(WORKGROUPS.map(|workgroup| Variant { int64, checked, workgroup }));
         }
     }
     all
+}
+
+/// Whether a variant has the size of workgroups with which the configuration at `place` is tested: compilers take seconds for each.
+pub fn is_turn(variant: Variant, place: usize) -> bool {
+    variant.workgroup == WORKGROUPS[place % WORKGROUPS.len()]
 }
 
 pub fn name(adapter: &Adapter, variant: Variant) -> String {
