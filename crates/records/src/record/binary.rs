@@ -372,8 +372,8 @@ impl Arrays {
             let others =
                 if left_out.is_empty() { String::new() } else { format!(", only {}", left_out.join(", ")) };
             let message = format!("{file} has no arrays of real numbers{others}");
-            let help =
-                "save the samples as arrays of numbers with a row for each sample, not in cells or tables";
+            let help = "save the samples as arrays of numbers with a row for each sample; in MATLAB `writetimetable(T, \"log.csv\")` and \
+                        `writetable` save tables as text";
             return Err(RecordError::new(message, "", help, None));
         }
         Ok(Arrays { file: file.to_owned(), names, places, stored })

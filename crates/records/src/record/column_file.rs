@@ -29,7 +29,7 @@ const MIN_RISES: usize = 4;
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
 
 /// First bytes of unsupported files that users often give, with their descriptions and what to do.
-const OTHERS: [(&[u8], &str, &str); 12] = [
+const OTHERS: [(&[u8], &str, &str); 13] = [
     (b"CDF", "netCDF of an old version", "convert it with `nccopy -k nc4 OLD.nc NEW.nc`"),
     (b"\x28\xb5\x2f\xfd", "compressed by zstd", "unpack it with `zstd -d`"),
     (b"BZh", "compressed by bzip2", "unpack it with `bzip2 -d`"),
@@ -45,6 +45,11 @@ const OTHERS: [(&[u8], &str, &str); 12] = [
         "Arrow (Feather)",
         "convert it with `pandas.read_feather(\"LOG\").to_csv(\"LOG.csv\")` in Python",
     ),
+    (
+        b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
+        "a workbook of Excel (.xls)",
+        "save the sheet of the samples as CSV",
+    ),
     (b"\x89PNG", "a picture (PNG)", TEXT_WANTED),
     (b"\xff\xd8\xff", "a picture (JPEG)", TEXT_WANTED),
     (b"%PDF", "a document (PDF)", TEXT_WANTED),
@@ -59,7 +64,7 @@ const MAX_CONTROLS: usize = 32;
 
 /// Advice on binary files of no known format.
 const BINARY_WANTED: &str = "describe its rows as in `binary = \"f64 x7, little, time 1, rate 3\"`; known formats are text, .npy, \
-                             .npz, MATLAB .mat, HDF5, MCAP, ROS bags, ULog and DataFlash";
+                             .npz, MATLAB .mat, HDF5, MCAP, ROS bags (.bag and .db3), ULog and DataFlash";
 
 /// What a caller accepts of a file.
 #[derive(Clone, Copy)]

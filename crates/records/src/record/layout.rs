@@ -295,8 +295,8 @@ fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {
     }
 }
 
-/// Number of lines above the header, such as the name of a logger: lines of words in fewer than half as many cells as the rows have,
-/// before one with as many names as the rows have cells.
+/// Number of lines above the header, such as the name of a logger: lines of words in fewer cells than the rows have, before one with as
+/// many names as the rows have cells.
 fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
     let Some(row) = content.last() else { return 0 };
     let named = |line: &Line, delimiter, decimal| {
@@ -309,9 +309,8 @@ fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
         let columns = texts(row.text, delimiter).len();
         // The last cell of the rows may be empty, as one for remarks.
         let cells = Cells::new(row.text, delimiter).count();
-        let is_title = |line| {
-            named(line, delimiter, decimal).is_some_and(|(named, _)| named == 1 || 2 * named < columns)
-        };
+        let is_title =
+            |line| named(line, delimiter, decimal).is_some_and(|(named, _)| named == 1 || named < columns);
         columns > 1
             && named(&content[*at], delimiter, decimal)
                 .is_some_and(|(named, count)| named == count && [columns, cells].contains(&count))
@@ -446,7 +445,7 @@ mod tests {
 
     #[test]
     fn titles_above_the_header_are_not_read() {
-        for title in ["Logger XY v1.2", "Logger XY v1.2;;", "Logger;;\nserial 17a;;"] {
+        for title in ["Logger XY v1.2", "Logger XY v1.2;;", "Logger;;\nserial 17a;;", "Logger;serial 17a"] {
             let found =
                 layout(&format!("{title}\nt [s];gz [dps];temp [degC]\n0,01;1,5;20,1\n0,02;1,6;20,1\n"));
             assert_eq!(bare(&found), ["t", "gz", "temp"], "{title}");

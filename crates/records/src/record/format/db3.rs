@@ -101,15 +101,20 @@ fn read(database: &mut Database, topics: &Table, messages: &Table, found: &mut M
         Ok(())
     })?;
     let [topic, data] = places(messages, ["topic_id", "data"])?;
+    let time = messages.column("timestamp");
     database.rows(messages, &mut |_, values| {
         let (Some(Value::Integer(topic)), Some(Value::Blob(message))) = (values.get(topic), values.get(data))
         else {
             return malformed("a message is damaged");
         };
+        let arrival = match time.and_then(|time| values.get(time)) {
+            Some(Value::Integer(time)) => u64::try_from(*time).ok(),
+            _ => None,
+        };
         match readers.get(topic) {
             None => malformed("a message belongs to no topic"),
             Some(None) => Ok(()),
-            Some(Some((name, reader))) => found.take(name, message, reader),
+            Some(Some((name, reader))) => found.take(name, message, arrival, reader),
         }
     })
 }

@@ -1,10 +1,12 @@
 //! Messages of ROS 1 and ROS 2 with angular rates or accelerations, and the columns that they make.
 //!
-//! Messages are read by the definition of their type: that in the recording for those of PX4, which changes from version to version,
-//! and one from here for the others, which do not change. Recordings of early versions of ROS 2 have none; messages of PX4 are then read by
-//! the one from here that has their length.
+//! Messages are read by the definition of their type: that in the recording for those of PX4, which changes from version to version, and for
+//! types in which one of the others is a field; one from here for the others, which do not change. Recordings of early versions of ROS 2 have
+//! none; messages of PX4 are then read by the one from here that has their length.
+//!
+//! Where the headers of a topic have no time, the times at which its messages were recorded stand for them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
 
 use crate::record::binary::Number;
@@ -170,26 +172,36 @@ impl Reader {
         encoding: Encoding,
     ) -> io::Result<Option<Reader>> {
         let kind = plain(kind);
-        if let Some(topic) = STAMPED.iter().find(|topic| topic.name == kind) {
-            let mut types: HashMap<String, &str> =
-                DEFINITIONS.iter().map(|(name, text)| ((*name).to_owned(), *text)).collect();
-            if encoding == Encoding::Ros1 {
-                types.insert("std_msgs/Header".to_owned(), "uint32 seq\ntime stamp\nstring frame_id");
-            }
-            return Reader::of_topic(topic, &kind, &STAMP, &types, encoding).map(Some);
+        let mut types: HashMap<String, &str> =
+            DEFINITIONS.iter().map(|(name, text)| ((*name).to_owned(), *text)).collect();
+        if encoding == Encoding::Ros1 {
+            types.insert("std_msgs/Header".to_owned(), "uint32 seq\ntime stamp\nstring frame_id");
         }
-        let Some(name) = kind.strip_prefix(PX4_PACKAGE).map(snake) else { return Ok(None) };
+        if let Some(topic) = stamped(&kind) {
+            return Reader::of_topic(topic, &kind, "", &STAMP, &types, encoding).map(Some);
+        }
+        let definition = definition.filter(|text| !text.trim().is_empty());
+        let Some(name) = kind.strip_prefix(PX4_PACKAGE).map(snake) else {
+            let Some(text) = definition else { return Ok(None) };
+            types.extend(divided(&kind, text));
+            let mut held = fields(types.get(&kind).copied().unwrap_or_default());
+            let Some((topic, name)) = held.find_map(|(of, extent, name)| {
+                let topic = stamped(&named(&kind, of)).filter(|_| extent.is_none())?;
+                Some((topic, name))
+            }) else {
+                return Ok(None);
+            };
+            return Reader::of_topic(topic, &kind, &format!("{name}."), &STAMP, &types, encoding).map(Some);
+        };
         if !PX4.iter().any(|topic| topic.name == name) {
             return Ok(None);
         }
-        let Some(text) = definition.filter(|text| !text.trim().is_empty()) else {
-            return Reader::supposed(&kind, encoding);
-        };
+        let Some(text) = definition else { return Reader::supposed(&kind, encoding) };
         let types = divided(&kind, text);
         let mut refused = malformed(&format!("the definition of {kind} has no time and angular rate"));
         for topic in PX4.iter().filter(|topic| topic.name == name) {
             for (time, _) in PX4_TIMES {
-                match Reader::of_topic(topic, &kind, &[time], &types, encoding) {
+                match Reader::of_topic(topic, &kind, "", &[time], &types, encoding) {
                     Ok(reader) => return Ok(Some(reader)),
                     Err(error) => refused = Err(error),
                 }
@@ -218,14 +230,17 @@ impl Reader {
         )
     }
 
+    /// The reader of messages in which the fields of the topic have names that begin with `path`.
     fn of_topic(
         topic: &'static Topic,
         kind: &str,
+        path: &str,
         times: &[&str],
         types: &HashMap<String, &str>,
         encoding: Encoding,
     ) -> io::Result<Reader> {
-        let wanted: Vec<String> = times.iter().map(|&time| time.to_owned()).chain(topic.fields()).collect();
+        let names = times.iter().map(|&time| time.to_owned()).chain(topic.fields());
+        let wanted: Vec<String> = names.map(|name| format!("{path}{name}")).collect();
         let mut walk = Walk { types, wanted: &wanted, found: vec![false; wanted.len()], left: MAX_STEPS };
         let steps = walk.steps(kind, "", 0)?;
         let slots = walk.found.iter().position(|found| !found).unwrap_or(wanted.len());
@@ -241,16 +256,25 @@ impl Reader {
         if self.is_stamped { "ns" } else { "us" }
     }
 
-    /// Adds the samples of a message to those before; a part of one is NaN where it was not measured. `None` if it is no such message.
-    fn take(&self, message: &[u8], rows: &mut Vec<Sample>) -> Option<()> {
+    /// Adds the samples of a message to those before; a part of one is NaN where it was not measured. Its time is `arrival`, in ns, if that
+    /// is given. `None` if it is no such message.
+    fn take(&self, message: &[u8], arrival: Option<u64>, rows: &mut Vec<Sample>) -> Option<()> {
         let numbers = self.forms.iter().find_map(|(steps, slots)| self.numbers(message, steps, *slots))?;
         if !self.is_stamped {
             return self.topic.take(numbers[0], &numbers[1..], rows);
         }
         // Rounded once, as the same number in a text would be.
         let [seconds, rest] = [numbers[0] as u64, numbers[1] as u64];
-        let time = (rest < 1_000_000_000).then(|| (seconds * 1_000_000_000 + rest) as f64)?;
-        self.topic.take(time, &numbers[2..], rows)
+        let time = (rest < 1_000_000_000).then_some(seconds * 1_000_000_000 + rest)?;
+        self.topic.take(arrival.unwrap_or(time) as f64, &numbers[2..], rows)
+    }
+
+    /// Whether the header of a message has the time 0.
+    fn lacks_time(&self, message: &[u8]) -> bool {
+        let mut rows = vec![];
+        self.is_stamped
+            && self.take(message, None, &mut rows).is_some()
+            && rows.iter().all(|row| row[0] == 0.0)
     }
 
     /// The numbers of a message by one definition, if it has these fields and no others.
@@ -304,6 +328,36 @@ fn divided<'t>(kind: &str, text: &'t str) -> HashMap<String, &'t str> {
     types
 }
 
+/// The topic of messages of a type with a header.
+fn stamped(kind: &str) -> Option<&'static Topic> {
+    STAMPED.iter().find(|topic| topic.name == kind)
+}
+
+/// The fields in the definition of a type: the type of each, how many of it there are if it is a list or an array, and its name.
+fn fields(text: &str) -> impl Iterator<Item = (&str, Option<&str>, &str)> {
+    text.lines().filter_map(|line| {
+        let mut words = line.split('#').next().unwrap_or_default().split_whitespace();
+        let (of, name) = (words.next()?, words.next()?);
+        // Constants have values, fields of ROS 2 may have defaults.
+        if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
+            return None;
+        }
+        Some(match of.strip_suffix(']').and_then(|of| of.split_once('[')) {
+            Some((of, extent)) => (of, Some(extent), name),
+            None => (of, None, name),
+        })
+    })
+}
+
+/// The whole name of the type `of` in the definition of `kind`.
+fn named(kind: &str, of: &str) -> String {
+    match of {
+        "Header" => "std_msgs/Header".to_owned(),
+        of if of.contains('/') => plain(of),
+        of => format!("{}/{of}", kind.split('/').next().unwrap_or_default()),
+    }
+}
+
 /// The number that ROS calls so.
 fn number(kind: &str) -> Option<&'static Number> {
     Number::called(match kind {
@@ -339,18 +393,7 @@ impl Walk<'_> {
         let types = self.types;
         let Some(text) = types.get(kind).filter(|_| depth <= DEEPEST) else { return unknown(kind) };
         let mut steps = Vec::new();
-        for line in text.lines() {
-            let line = line.split('#').next().unwrap_or_default();
-            let mut words = line.split_whitespace();
-            let (Some(of), Some(name)) = (words.next(), words.next()) else { continue };
-            // Constants have values, fields of ROS 2 may have defaults.
-            if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
-                continue;
-            }
-            let (of, extent) = match of.strip_suffix(']').and_then(|of| of.split_once('[')) {
-                Some((of, extent)) => (of, Some(extent)),
-                None => (of, None),
-            };
+        for (of, extent, name) in fields(text) {
             match extent {
                 None => steps.extend(self.field(kind, of, &format!("{path}{name}"), depth)?),
                 Some(extent) if extent.is_empty() || extent.starts_with("<=") => {
@@ -359,7 +402,9 @@ impl Walk<'_> {
                     steps.push(Step::List(inner));
                 }
                 Some(extent) => {
-                    let Ok(count) = extent.parse::<usize>() else { return unknown(line.trim()) };
+                    let Ok(count) = extent.parse::<usize>() else {
+                        return unknown(&format!("{of}[{extent}]"));
+                    };
                     for at in 0..count {
                         steps.extend(self.field(kind, of, &format!("{path}{name}[{at}]"), depth)?);
                     }
@@ -390,12 +435,7 @@ impl Walk<'_> {
             }
             _ => {}
         }
-        let package = kind.split('/').next().unwrap_or_default();
-        let of = match of {
-            "Header" => "std_msgs/Header".to_owned(),
-            of if of.contains('/') => plain(of),
-            of => format!("{package}/{of}"),
-        };
+        let of = named(kind, of);
         let path = if path.is_empty() { String::new() } else { format!("{path}.") };
         self.steps(&of, &path, depth + 1)
     }
@@ -468,6 +508,8 @@ impl<'m> Cursor<'m> {
 #[derive(Default)]
 pub(crate) struct Messages {
     topics: BTreeMap<String, Group>,
+    /// Topics whose headers have no time.
+    timeless: BTreeSet<String>,
     /// Other types of messages, for a refusal.
     others: Vec<String>,
     /// Why messages with samples cannot be read.
@@ -496,22 +538,32 @@ impl Messages {
         None
     }
 
-    /// Takes a message of a topic.
+    /// Takes a message of a topic, which was recorded at the time `arrival`, ns.
     ///
     /// # Errors
     /// It is no message of the type of the reader, or those before were of another type.
-    pub(crate) fn take(&mut self, topic: &str, message: &[u8], reader: &Reader) -> io::Result<()> {
+    pub(crate) fn take(
+        &mut self,
+        topic: &str,
+        message: &[u8],
+        arrival: Option<u64>,
+        reader: &Reader,
+    ) -> io::Result<()> {
         let kind = &reader.kind;
+        let message = packed::message(message)?;
         if !self.topics.contains_key(topic) {
             let (unit, vectors, name) = (reader.unit(), reader.topic.vectors(), topic.to_owned());
             self.topics
                 .insert(topic.to_owned(), Group { name, kind: kind.clone(), unit, vectors, rows: vec![] });
             self.supposed.extend(reader.is_supposed.then(|| topic.to_owned()));
+            self.timeless
+                .extend((arrival.is_some() && reader.lacks_time(&message)).then(|| topic.to_owned()));
         }
         let Some(group) = self.topics.get_mut(topic).filter(|group| group.kind == *kind) else {
             return malformed(&format!("{topic} has messages of several types"));
         };
-        let taken = reader.take(&packed::message(message)?, &mut group.rows);
+        let arrival = arrival.filter(|_| self.timeless.contains(topic));
+        let taken = reader.take(&message, arrival, &mut group.rows);
         let supposed =
             if reader.is_supposed { " of PX4 1.12 to 1.18, and the recording has no definition" } else { "" };
         taken.map_or_else(|| malformed(&format!("a message of {topic} is no {kind}{supposed}")), Ok)
@@ -530,7 +582,11 @@ impl Messages {
                 "the recording has no definitions of messages of PX4, which are read as versions 1.12 to 1.18 write them: {topics}"
             )
         });
-        let notes = unread.chain(supposed).collect();
+        let timeless = (!self.timeless.is_empty()).then(|| {
+            let topics = Vec::from_iter(self.timeless).join(", ");
+            format!("headers have no time, so the times at which messages were recorded are taken: {topics}")
+        });
+        let notes = unread.chain(supposed).chain(timeless).collect();
         Groups::open(file, groups, notes, || match &self.unread[..] {
             [] => {
                 let message =
@@ -563,7 +619,7 @@ mod tests {
     /// The only sample of a message.
     fn sample(reader: &Reader, message: &[u8]) -> Option<Sample> {
         let mut rows = vec![];
-        reader.take(message, &mut rows)?;
+        reader.take(message, None, &mut rows)?;
         (rows.len() == 1).then(|| rows[0])
     }
 
@@ -626,6 +682,55 @@ mod tests {
         let odometry =
             [head(b"o\0"), vec![0; 2], child, vec![0; 7], numbers(7 + 36 + 6 + 36).collect()].concat();
         assert_eq!(read("nav_msgs/msg/Odometry", &odometry).unwrap()[1..4], [46.0, 47.0, 48.0]);
+    }
+
+    #[test]
+    fn a_message_with_an_imu_in_it_is_read_by_the_definition_in_the_recording() {
+        let text = "Header header\n# of the driver\nstring port\nsensor_msgs/Imu imu\nuint8[] rest\n====\nMSG: std_msgs/Header\n";
+        for (encoding, header) in [
+            (Encoding::Ros1, "uint32 seq\ntime stamp\nstring frame_id\n"),
+            (
+                Encoding::Cdr,
+                "builtin_interfaces/Time stamp\nstring frame_id\n====\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n",
+            ),
+        ] {
+            let reader = Reader::new("driver/msg/Vectornav", Some(&format!("{text}{header}")), encoding);
+            let reader = reader.unwrap().unwrap();
+            // Both headers, that of the driver with a name and a port that end at a multiple of eight.
+            let is_cdr = encoding == Encoding::Cdr;
+            let outer: &[&[u8]] = &[
+                if is_cdr { &[] } else { &[9; 4] },
+                &[7; 8],
+                &[4, 0, 0, 0],
+                b"vn0\0",
+                &[4, 0, 0, 0],
+                b"tty\0",
+            ];
+            let imu = message(encoding, &[]);
+            let (start, imu) = imu.split_at(if is_cdr { 4 } else { 0 });
+            let bytes = [start, &outer.concat(), imu, &[1, 0, 0, 0, 5]].concat();
+            assert_eq!(sample(&reader, &bytes), Some([3_000_000_500.0, 13.0, 14.0, 15.0, 25.0, 26.0, 27.0]));
+            assert_eq!(sample(&reader, &bytes[..bytes.len() - 4]), None);
+        }
+        let other =
+            Reader::new("driver/Status", Some("sensor_msgs/Imu[2] both\nuint8 state"), Encoding::Ros1);
+        assert!(other.unwrap().is_none());
+    }
+
+    #[test]
+    fn times_of_arrival_stand_for_those_that_all_headers_lack() {
+        let reader = Reader::new("sensor_msgs/Imu", None, Encoding::Ros1).unwrap().unwrap();
+        let timed = message(Encoding::Ros1, &[]);
+        let timeless = [&timed[..4], &[0; 8], &timed[12..]].concat();
+        let mut messages = Messages::default();
+        for arrival in [5_u64, 6] {
+            messages.take("/none", &timeless, Some(arrival), &reader).unwrap();
+            messages.take("/timed", &timed, Some(arrival), &reader).unwrap();
+        }
+        let times = |topic: &str| messages.topics[topic].rows.iter().map(|row| row[0]).collect::<Vec<_>>();
+        assert_eq!([times("/none"), times("/timed")], [vec![5.0, 6.0], vec![3_000_000_500.0; 2]]);
+        let notes = messages.columns("x.bag").unwrap().inferred();
+        assert!(notes[0].contains("times at which messages were recorded are taken: /none"), "{notes:?}");
     }
 
     #[test]
@@ -710,12 +815,12 @@ mod tests {
         };
         let mut rows = vec![];
         for (time, count) in [(1000, 3), (1330, 3), (9000, 1), (9100, 0)] {
-            assert_eq!(reader.take(&batch(time, count), &mut rows), Some(()));
+            assert_eq!(reader.take(&batch(time, count), None, &mut rows), Some(()));
         }
         let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
         assert_eq!(times, [800.0, 900.0, 1000.0, 1110.0, 1220.0, 1330.0, 9000.0]);
         assert!(rows[0][1].is_nan());
         assert_eq!(rows[2][4..], [1.5, 3.5, 5.0]);
-        assert_eq!(reader.take(&batch(9300, 4), &mut rows), None);
+        assert_eq!(reader.take(&batch(9300, 4), None, &mut rows), None);
     }
 }

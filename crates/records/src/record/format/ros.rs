@@ -186,14 +186,17 @@ impl McapTopics<'_> {
                 self.channels.insert(id, reader.map(|reader| (topic.to_owned(), reader)));
             }
             op::MESSAGE => {
-                // The number in sequence and two times stand before the message.
-                let (Some(id), Some(_)) = (rest.id(), rest.bytes::<20>()) else {
+                // The number in sequence and the times of recording and of publication stand before the message.
+                let (Some(id), Some(_), Some(arrival), Some(_)) =
+                    (rest.id(), rest.bytes::<4>(), rest.bytes(), rest.bytes::<8>())
+                else {
                     return malformed("a message is damaged");
                 };
+                let arrival = Some(u64::from_le_bytes(arrival));
                 match self.channels.get(&id) {
                     None => return malformed("a message belongs to no channel"),
                     Some(None) => {}
-                    Some(Some((topic, reader))) => self.messages.take(topic, rest.0, reader)?,
+                    Some(Some((topic, reader))) => self.messages.take(topic, rest.0, arrival, reader)?,
                 }
             }
             _ => {}
@@ -349,7 +352,14 @@ impl Bag {
             [MESSAGE] => match self.connections.get(&header.word("conn")?) {
                 None => malformed("a message belongs to no connection"),
                 Some(None) => Ok(()),
-                Some(Some((topic, reader))) => self.messages.take(topic, data, reader),
+                Some(Some((topic, reader))) => {
+                    let [seconds, rest] = [0, 4].map(|at| {
+                        let word = header.0.get("time")?.get(at..at + 4)?.try_into().ok()?;
+                        Some(u64::from(u32::from_le_bytes(word)))
+                    });
+                    let arrival = seconds.zip(rest).map(|(seconds, rest)| seconds * 1_000_000_000 + rest);
+                    self.messages.take(topic, data, arrival, reader)
+                }
             },
             _ => malformed("a record is of an unknown type"),
         }
