@@ -24,24 +24,29 @@ Record: TypeAlias = ArrayLike | Log | os.PathLike[str]
 Given: TypeAlias = tuple[_sagnac.Log | Numbers, Reading, str]
 
 
+def is_curve(data: object) -> bool:
+    """Whether it is a tuple of columns with averaging times and deviations, or the path of such a file."""
+    if isinstance(data, (str, os.PathLike)):
+        return _sagnac.is_curve(Path(data))
+    return isinstance(data, tuple) and 2 <= len(data) <= 4 and all(np.ndim(column) == 1 for column in data)
+
+
 def curve_of(
     data: object, rate: float | None, unit: str | None, name: str | None, interval: str | None
 ) -> tuple[_sagnac.Curve, str] | None:
     """A curve with what it is called, of a tuple of averaging times, deviations and perhaps the ends of their intervals, or of the path
     of such a file; None for a record."""
-    if isinstance(data, (str, os.PathLike)):
-        path = Path(data)
-        if not _sagnac.is_curve(path):
-            return None
-        return _sagnac.read_curve(path, unit, interval, None if rate is None else step_of(rate)), name or str(path)
-    if not isinstance(data, tuple) or not 2 <= len(data) <= 4 or any(np.ndim(column) != 1 for column in data):
+    if not is_curve(data):
         return None
+    step = None if rate is None else step_of(rate)
+    if isinstance(data, (str, os.PathLike)):
+        return _sagnac.read_curve(Path(data), unit, interval, step), name or str(Path(data))
+    assert isinstance(data, tuple)
     if len(data) == 3 or len({len(column) for column in data}) != 1:
         raise RecordError("the curve has columns of different lengths, or one end of its intervals\ngive (tau, sigma) or (tau, sigma, low, high)")
     if unit is None:
         raise UsageError('unit is missing, which a curve does not say\nadd for example unit="deg/h"')
     columns = [np.asarray(column, dtype=np.float64).tolist() for column in data]
-    step = None if rate is None else step_of(rate)
     return _sagnac.curve_of(name or "curve", columns, unit, interval, step), name or "curve"
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import _sagnac
 
 from ._raw import RawAnalysis
-from ._reading import Record, curve_of, limits_of, reading_of, refuse_for_curve, refuse_interval
+from ._reading import Record, curve_of, is_curve, limits_of, reading_of, refuse_for_curve, refuse_interval
 from .errors import UsageError
 from .logs import Kind, Log, Reading
 from .results import Charted, Table, answer_of
@@ -221,12 +221,20 @@ def compare(
     units = unit if isinstance(unit, tuple) else (unit, unit)
     given = dict(locals())
 
+    def is_noise(data: object) -> bool:
+        return isinstance(data, Mapping) or (isinstance(data, (str, os.PathLike)) and str(data).endswith(".toml"))
+
+    # One rate beside a record is that of the record.
+    has_record = not all(is_noise(data) or is_curve(data) for data in (a, b))
+    curve_rates = (None, None) if has_record and not isinstance(rate, tuple) else rates
+
     def side(place: int, data: Any) -> tuple[Any, str]:
         name = names[place] if names else None
-        if isinstance(data, Mapping) or (isinstance(data, (str, os.PathLike)) and str(data).endswith(".toml")):
+        if is_noise(data):
             path, text = _source(data)
             return (path, text), name or (str(path) if path else "AB"[place])
-        curve = curve_of(data, rates[place], units[place], name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place]), curve_interval)
+        called = name or (None if isinstance(data, (str, os.PathLike)) else "AB"[place])
+        curve = curve_of(data, curve_rates[place], units[place], called, curve_interval)
         if curve is not None:
             return curve
         record, reading, called = reading_of(

@@ -296,7 +296,7 @@ fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {
 }
 
 /// Number of lines above the header, such as the name of a logger: lines of words in fewer cells than the rows have, before one with as
-/// many names as the rows have cells.
+/// many names as the rows have cells. A line with as many cells, of which half have names, may be a header above one of units.
 fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
     let Some(row) = content.last() else { return 0 };
     let named = |line: &Line, delimiter, decimal| {
@@ -309,8 +309,10 @@ fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
         let columns = texts(row.text, delimiter).len();
         // The last cell of the rows may be empty, as one for remarks.
         let cells = Cells::new(row.text, delimiter).count();
-        let is_title =
-            |line| named(line, delimiter, decimal).is_some_and(|(named, _)| named == 1 || named < columns);
+        let is_title = |line| {
+            named(line, delimiter, decimal)
+                .is_some_and(|(named, count)| named == 1 || 2 * named < columns || count < columns)
+        };
         columns > 1
             && named(&content[*at], delimiter, decimal)
                 .is_some_and(|(named, count)| named == count && [columns, cells].contains(&count))
@@ -456,6 +458,7 @@ mod tests {
             );
         }
         assert_eq!(bare(&layout("t;gz\ns;deg/s\n1;2\n2;3\n")), ["t", "gz"], "units are no names");
+        assert_eq!(bare(&layout(",time,gz\n-,s,deg/s\n0,1,2\n1,2,3\n")), ["", "time", "gz"]);
         assert_eq!(bare(&layout("gz\n1\n2\n")), ["gz"]);
     }
 

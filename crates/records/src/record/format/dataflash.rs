@@ -276,7 +276,14 @@ impl Log {
                 let known = self.groups.iter().position(|group| group.name == sensor);
                 let group = known.unwrap_or_else(|| {
                     let (kind, vectors) = (name.clone(), layout.topic.vectors());
-                    self.groups.push(Group { name: sensor, kind, unit: layout.unit, vectors, rows: vec![] });
+                    self.groups.push(Group {
+                        name: sensor,
+                        kind,
+                        path: String::new(),
+                        unit: layout.unit,
+                        vectors,
+                        rows: vec![],
+                    });
                     self.groups.len() - 1
                 });
                 layout.take(body, &mut self.groups[group].rows, numbers)
@@ -320,7 +327,14 @@ impl Log {
             }
             let vectors = [1, 4].map(|at| (batches[0].at == at).then_some(["x", "y", "z"]));
             let rows = batches.iter().flat_map(Batch::rows).collect();
-            self.groups.push(Group { name, kind: BATCH[1].to_owned(), unit: "us", vectors, rows });
+            self.groups.push(Group {
+                name,
+                kind: BATCH[1].to_owned(),
+                path: String::new(),
+                unit: "us",
+                vectors,
+                rows,
+            });
         }
         unread
     }

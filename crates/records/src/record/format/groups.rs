@@ -223,6 +223,8 @@ pub(crate) struct Group {
     pub name: String,
     /// Type of its messages.
     pub kind: String,
+    /// What stands before the names of its fields.
+    pub path: String,
     /// Unit of its times.
     pub unit: &'static str,
     /// Fields of the angular rates and of the accelerations, if it has them.
@@ -295,7 +297,7 @@ impl Columns for Groups {
     fn field(&self, column: usize) -> Option<Field> {
         let (group, place) = *self.places.get(column)?;
         let (group, at) = (&self.groups[group], place.checked_sub(1)?);
-        let name = group.vectors[at / 3]?[at % 3].to_owned();
+        let name = format!("{}{}", group.path, group.vectors[at / 3]?[at % 3]);
         Some(Field { topic: group.name.clone(), kind: group.kind.clone(), name })
     }
 

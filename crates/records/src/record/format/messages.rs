@@ -1,7 +1,7 @@
 //! Messages of ROS 1 and ROS 2 with angular rates or accelerations, and the columns that they make.
 //!
 //! Messages are read by the definition of their type: that in the recording for those of PX4, which changes from version to version, and for
-//! types in which one of the others is a field; one from here for the others, which do not change. Recordings of early versions of ROS 2 have
+//! types with a `sensor_msgs/Imu` in them; one from here for the others, which do not change. Recordings of early versions of ROS 2 have
 //! none; messages of PX4 are then read by the one from here that has their length.
 //!
 //! Where the headers of a topic have no time, the times at which its messages were recorded stand for them.
@@ -14,14 +14,18 @@ use crate::record::format::groups::{Group, Groups, PX4, PX4_TIMES, Rule, Sample,
 use crate::record::format::{Columns, packed};
 use crate::record::{RecordError, malformed};
 
-/// Deepest types within types, and most numbers of one.
+/// Deepest types within types, most numbers of one, and longest definition in bytes.
 const DEEPEST: usize = 8;
 const MAX_STEPS: usize = 4096;
+const MAX_DEFINITION: usize = 1 << 15;
+
+/// The type that other types may hold.
+const IMU: &str = "sensor_msgs/Imu";
 
 /// Types with a header and a vector, or two.
 static STAMPED: [Topic; 5] = [
     Topic {
-        name: "sensor_msgs/Imu",
+        name: IMU,
         vectors: [
             Some(Vector {
                 fields: ["angular_velocity.x", "angular_velocity.y", "angular_velocity.z"],
@@ -148,8 +152,12 @@ pub(crate) struct Reader {
     kind: String,
     topic: &'static Topic,
     encoding: Encoding,
+    /// What stands before the names of its fields in a message of another type.
+    path: String,
     /// Whether the time is that of a header and not that of PX4.
     is_stamped: bool,
+    /// The slot of the time of a header around it, which counts where its own has none.
+    outer: Option<usize>,
     /// Whether the definition is one from here of a type that changes.
     is_supposed: bool,
     /// The fields of a message, and the number of its slots, by each definition that it may follow.
@@ -178,30 +186,42 @@ impl Reader {
             types.insert("std_msgs/Header".to_owned(), "uint32 seq\ntime stamp\nstring frame_id");
         }
         if let Some(topic) = stamped(&kind) {
-            return Reader::of_topic(topic, &kind, "", &STAMP, &types, encoding).map(Some);
+            return Reader::of_topic(topic, &kind, ["", ""], &STAMP, &types, encoding).map(Some);
         }
         let definition = definition.filter(|text| !text.trim().is_empty());
+        let is_long = definition.is_some_and(|text| text.len() > MAX_DEFINITION);
+        let long = || malformed(&format!("the definition of {kind} is too long"));
         let Some(name) = kind.strip_prefix(PX4_PACKAGE).map(snake) else {
-            let Some(text) = definition else { return Ok(None) };
-            types.extend(divided(&kind, text));
-            let mut held = fields(types.get(&kind).copied().unwrap_or_default());
-            let Some((topic, name)) = held.find_map(|(of, extent, name)| {
-                let topic = stamped(&named(&kind, of)).filter(|_| extent.is_none())?;
-                Some((topic, name))
-            }) else {
-                return Ok(None);
+            types.extend(divided(&kind, definition.unwrap_or_default()));
+            let own = types.get(&kind).copied().unwrap_or_default();
+            let called = |wanted: &str| {
+                let is_wanted = |(of, extent, _): &(&str, Option<&str>, &str)| {
+                    extent.is_none() && named(&kind, of) == wanted
+                };
+                fields(own).filter(is_wanted).map(|(.., name)| format!("{name}.")).collect::<Vec<_>>()
             };
-            return Reader::of_topic(topic, &kind, &format!("{name}."), &STAMP, &types, encoding).map(Some);
+            return match (stamped(IMU), &called(IMU)[..]) {
+                (Some(_), [_]) if is_long => long(),
+                (Some(topic), [path]) => {
+                    let outer = called("std_msgs/Header").into_iter().next().unwrap_or_default();
+                    Reader::of_topic(topic, &kind, [path, &outer], &STAMP, &types, encoding).map(Some)
+                }
+                (_, []) => Ok(None),
+                _ => malformed(&format!("{kind} has several fields of type {IMU}")),
+            };
         };
         if !PX4.iter().any(|topic| topic.name == name) {
             return Ok(None);
         }
         let Some(text) = definition else { return Reader::supposed(&kind, encoding) };
+        if is_long {
+            return long();
+        }
         let types = divided(&kind, text);
         let mut refused = malformed(&format!("the definition of {kind} has no time and angular rate"));
         for topic in PX4.iter().filter(|topic| topic.name == name) {
             for (time, _) in PX4_TIMES {
-                match Reader::of_topic(topic, &kind, "", &[time], &types, encoding) {
+                match Reader::of_topic(topic, &kind, ["", ""], &[time], &types, encoding) {
                     Ok(reader) => return Ok(Some(reader)),
                     Err(error) => refused = Err(error),
                 }
@@ -230,25 +250,29 @@ impl Reader {
         )
     }
 
-    /// The reader of messages in which the fields of the topic have names that begin with `path`.
+    /// The reader of messages in which the names of the fields of the topic begin with `path`, and those of a header around it are `outer`
+    /// and that of its time.
     fn of_topic(
         topic: &'static Topic,
         kind: &str,
-        path: &str,
+        [path, outer]: [&str; 2],
         times: &[&str],
         types: &HashMap<String, &str>,
         encoding: Encoding,
     ) -> io::Result<Reader> {
         let names = times.iter().map(|&time| time.to_owned()).chain(topic.fields());
-        let wanted: Vec<String> = names.map(|name| format!("{path}{name}")).collect();
+        let mut wanted: Vec<String> = names.map(|name| format!("{path}{name}")).collect();
+        let outer = (!outer.is_empty()).then_some((wanted.len(), outer));
+        wanted.extend(outer.iter().flat_map(|(_, name)| STAMP.map(|time| time.replace("header.", name))));
         let mut walk = Walk { types, wanted: &wanted, found: vec![false; wanted.len()], left: MAX_STEPS };
         let steps = walk.steps(kind, "", 0)?;
         let slots = walk.found.iter().position(|found| !found).unwrap_or(wanted.len());
         if slots < times.len() + topic.required() {
             return malformed(&format!("the definition of {kind} has no `{}`", wanted[slots]));
         }
-        let (kind, is_stamped, forms) = (kind.to_owned(), times.len() == 2, vec![(steps, slots)]);
-        Ok(Reader { kind, topic, encoding, is_stamped, is_supposed: false, forms })
+        let (kind, path, is_stamped) = (kind.to_owned(), path.to_owned(), times.len() == 2);
+        let (outer, forms) = (outer.map(|(slot, _)| slot), vec![(steps, slots)]);
+        Ok(Reader { kind, topic, encoding, path, is_stamped, outer, is_supposed: false, forms })
     }
 
     /// The unit of the times.
@@ -256,25 +280,18 @@ impl Reader {
         if self.is_stamped { "ns" } else { "us" }
     }
 
-    /// Adds the samples of a message to those before; a part of one is NaN where it was not measured. Its time is `arrival`, in ns, if that
-    /// is given. `None` if it is no such message.
-    fn take(&self, message: &[u8], arrival: Option<u64>, rows: &mut Vec<Sample>) -> Option<()> {
+    /// Adds the samples of a message to those before; a part of one is NaN where it was not measured. `None` if it is no such message.
+    fn take(&self, message: &[u8], rows: &mut Vec<Sample>) -> Option<()> {
         let numbers = self.forms.iter().find_map(|(steps, slots)| self.numbers(message, steps, *slots))?;
         if !self.is_stamped {
             return self.topic.take(numbers[0], &numbers[1..], rows);
         }
+        let time = match (stamp(&numbers)?, self.outer) {
+            (0, Some(outer)) => stamp(numbers.get(outer..)?)?,
+            (time, _) => time,
+        };
         // Rounded once, as the same number in a text would be.
-        let [seconds, rest] = [numbers[0] as u64, numbers[1] as u64];
-        let time = (rest < 1_000_000_000).then_some(seconds * 1_000_000_000 + rest)?;
-        self.topic.take(arrival.unwrap_or(time) as f64, &numbers[2..], rows)
-    }
-
-    /// Whether the header of a message has the time 0.
-    fn lacks_time(&self, message: &[u8]) -> bool {
-        let mut rows = vec![];
-        self.is_stamped
-            && self.take(message, None, &mut rows).is_some()
-            && rows.iter().all(|row| row[0] == 0.0)
+        self.topic.take(time as f64, &numbers[2..], rows)
     }
 
     /// The numbers of a message by one definition, if it has these fields and no others.
@@ -326,6 +343,13 @@ fn divided<'t>(kind: &str, text: &'t str) -> HashMap<String, &'t str> {
     }
     types.insert(name, &text[start..]);
     types
+}
+
+/// The time in ns that begins with these numbers: whole seconds, and the rest.
+fn stamp(numbers: &[f64]) -> Option<u64> {
+    let ([seconds, rest], _) = numbers.split_first_chunk()?;
+    let [seconds, rest] = [*seconds as u64, *rest as u64];
+    (rest < 1_000_000_000).then(|| seconds.checked_mul(1_000_000_000)?.checked_add(rest)).flatten()
 }
 
 /// The topic of messages of a type with a header.
@@ -504,12 +528,19 @@ impl<'m> Cursor<'m> {
     }
 }
 
+/// The messages of a topic.
+struct Heard {
+    group: Group,
+    /// The time at which each was recorded, ns; 0 where that is not known.
+    arrivals: Vec<u64>,
+}
+
 /// The messages of each topic.
 #[derive(Default)]
 pub(crate) struct Messages {
-    topics: BTreeMap<String, Group>,
-    /// Topics whose headers have no time.
-    timeless: BTreeSet<String>,
+    topics: BTreeMap<String, Heard>,
+    /// Topics with messages that their definition does not describe.
+    dropped: BTreeSet<String>,
     /// Other types of messages, for a refusal.
     others: Vec<String>,
     /// Why messages with samples cannot be read.
@@ -551,22 +582,33 @@ impl Messages {
     ) -> io::Result<()> {
         let kind = &reader.kind;
         let message = packed::message(message)?;
-        if !self.topics.contains_key(topic) {
-            let (unit, vectors, name) = (reader.unit(), reader.topic.vectors(), topic.to_owned());
-            self.topics
-                .insert(topic.to_owned(), Group { name, kind: kind.clone(), unit, vectors, rows: vec![] });
-            self.supposed.extend(reader.is_supposed.then(|| topic.to_owned()));
-            self.timeless
-                .extend((arrival.is_some() && reader.lacks_time(&message)).then(|| topic.to_owned()));
+        if self.dropped.contains(topic) {
+            return Ok(());
         }
-        let Some(group) = self.topics.get_mut(topic).filter(|group| group.kind == *kind) else {
+        let heard = self.topics.entry(topic.to_owned()).or_insert_with(|| {
+            self.supposed.extend(reader.is_supposed.then(|| topic.to_owned()));
+            let (unit, vectors, name) = (reader.unit(), reader.topic.vectors(), topic.to_owned());
+            let (kind, path) = (kind.clone(), reader.path.clone());
+            Heard { group: Group { name, kind, path, unit, vectors, rows: vec![] }, arrivals: vec![] }
+        });
+        if heard.group.kind != *kind {
             return malformed(&format!("{topic} has messages of several types"));
-        };
-        let arrival = arrival.filter(|_| self.timeless.contains(topic));
-        let taken = reader.take(&message, arrival, &mut group.rows);
+        }
+        heard.arrivals.push(arrival.unwrap_or(0));
+        if reader.take(&message, &mut heard.group.rows).is_some() {
+            return Ok(());
+        }
         let supposed =
             if reader.is_supposed { " of PX4 1.12 to 1.18, and the recording has no definition" } else { "" };
-        taken.map_or_else(|| malformed(&format!("a message of {topic} is no {kind}{supposed}")), Ok)
+        let wrong = format!("a message of {topic} is no {kind}{supposed}");
+        if reader.path.is_empty() {
+            return malformed(&wrong);
+        }
+        // Recordings with such a type are read by their other topics.
+        self.topics.remove(topic);
+        self.dropped.insert(topic.to_owned());
+        self.unread.push(wrong);
+        Ok(())
     }
 
     /// The columns of all topics with messages; `file` is the name in messages.
@@ -574,7 +616,15 @@ impl Messages {
     /// # Errors
     /// There are no such messages.
     pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
-        let groups = self.topics.into_values().collect();
+        let (mut groups, mut timeless) = (vec![], vec![]);
+        for Heard { mut group, arrivals } in self.topics.into_values() {
+            let lacks_times = group.unit == "ns" && group.rows.iter().all(|row| row[0] == 0.0);
+            if lacks_times && group.rows.len() == arrivals.len() && !arrivals.contains(&0) {
+                timeless.push(group.name.clone());
+                group.rows.iter_mut().zip(arrivals).for_each(|(row, arrival)| row[0] = arrival as f64);
+            }
+            groups.push(group);
+        }
         let unread = self.unread.iter().map(|why| format!("a topic is not read: {why}"));
         let supposed = (!self.supposed.is_empty()).then(|| {
             let topics = self.supposed.join(", ");
@@ -582,8 +632,8 @@ impl Messages {
                 "the recording has no definitions of messages of PX4, which are read as versions 1.12 to 1.18 write them: {topics}"
             )
         });
-        let timeless = (!self.timeless.is_empty()).then(|| {
-            let topics = Vec::from_iter(self.timeless).join(", ");
+        let timeless = (!timeless.is_empty()).then(|| {
+            let topics = timeless.join(", ");
             format!("headers have no time, so the times at which messages were recorded are taken: {topics}")
         });
         let notes = unread.chain(supposed).chain(timeless).collect();
@@ -599,7 +649,9 @@ impl Messages {
             }
             unread => {
                 let message = format!("{file} cannot be read: {}", unread.join("; "));
-                RecordError::new(message, "", "record it as MCAP, which has the definitions", None)
+                let help =
+                    "record it as MCAP, with definitions of all types, or give another topic with an IMU";
+                RecordError::new(message, "", help, None)
             }
         })
     }
@@ -608,6 +660,7 @@ impl Messages {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::log::read::RULES;
 
     /// Numbers of an Imu after its header: orientation, angular rate and acceleration, each with a covariance of nine.
     const NUMBERS: usize = 4 + 9 + 3 + 9 + 3 + 9;
@@ -619,7 +672,7 @@ mod tests {
     /// The only sample of a message.
     fn sample(reader: &Reader, message: &[u8]) -> Option<Sample> {
         let mut rows = vec![];
-        reader.take(message, None, &mut rows)?;
+        reader.take(message, &mut rows)?;
         (rows.len() == 1).then(|| rows[0])
     }
 
@@ -712,9 +765,59 @@ mod tests {
             assert_eq!(sample(&reader, &bytes), Some([3_000_000_500.0, 13.0, 14.0, 15.0, 25.0, 26.0, 27.0]));
             assert_eq!(sample(&reader, &bytes[..bytes.len() - 4]), None);
         }
-        let other =
-            Reader::new("driver/Status", Some("sensor_msgs/Imu[2] both\nuint8 state"), Encoding::Ros1);
-        assert!(other.unwrap().is_none());
+        let read = |text: &str| Reader::new("driver/Status", Some(text), Encoding::Ros1);
+        assert!(read("sensor_msgs/Imu[2] both\nuint8 state").unwrap().is_none());
+        assert!(read("geometry_msgs/Vector3Stamped force\nuint8 state").unwrap().is_none());
+        for (text, piece) in [
+            (
+                "sensor_msgs/Imu left\nsensor_msgs/Imu right".to_owned(),
+                "several fields of type sensor_msgs/Imu",
+            ),
+            (format!("sensor_msgs/Imu imu\nuint8 {}", "x".repeat(1 << 15)), "too long"),
+        ] {
+            let said = read(&text).err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(said.contains(piece), "{piece} is missing in {said:?}");
+        }
+    }
+
+    #[test]
+    fn the_time_of_a_header_around_an_imu_stands_for_that_which_its_own_lacks() {
+        let text = "Header outer\ngeometry_msgs/Vector3Stamped force\nsensor_msgs/Imu imu";
+        let reader = Reader::new("driver/Imu", Some(text), Encoding::Ros1).unwrap().unwrap();
+        let imu = message(Encoding::Ros1, &[]);
+        let read = |outer: [u32; 4], own: [u32; 2]| {
+            let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+            let force = [words(&[1, 8, 8, 0]), vec![0; 24]].concat();
+            let bytes = [words(&outer), force, imu[..4].to_vec(), words(&own), imu[12..].to_vec()].concat();
+            sample(&reader, &bytes).map(|sample| sample[..2].to_vec())
+        };
+        assert_eq!(read([1, 5, 7, 0], [0, 0]), Some(vec![5_000_000_007.0, 13.0]));
+        assert_eq!(read([1, 5, 7, 0], [0, 3]), Some(vec![3.0, 13.0]));
+        assert_eq!(read([1, 5, 2_000_000_000, 0], [0, 0]), None);
+        let text = "builtin_interfaces/Time stamp\nstring frame_id\n====\nMSG: builtin_interfaces/Time\nuint64 sec\nuint32 nanosec";
+        let text = format!("sensor_msgs/Imu imu\n====\nMSG: std_msgs/Header\n{text}");
+        let reader = Reader::new("driver/Imu", Some(&text), Encoding::Ros1).unwrap().unwrap();
+        let long = [&u64::MAX.to_le_bytes(), &imu[8..]].concat();
+        assert_eq!(sample(&reader, &long), None);
+    }
+
+    #[test]
+    fn a_topic_that_its_definition_does_not_describe_leaves_the_others() {
+        let own = Reader::new("driver/Imu", Some("uint8 state\nsensor_msgs/Imu imu"), Encoding::Ros1);
+        let [own, plain] =
+            [own, Reader::new(IMU, None, Encoding::Ros1)].map(|reader| reader.unwrap().unwrap());
+        let mut messages = Messages::default();
+        for _ in 0..2 {
+            messages.take("/own", &[0; 9], Some(1), &own).unwrap();
+            messages.take("/imu", &message(Encoding::Ros1, &[]), Some(1), &plain).unwrap();
+        }
+        let columns = messages.columns("x.bag").unwrap();
+        assert_eq!(columns.groups(), [("/imu", 2)]);
+        assert_eq!(columns.inferred(), ["a topic is not read: a message of /own is no driver/Imu"]);
+        let mut alone = Messages::default();
+        alone.take("/own", &[0; 9], Some(1), &own).unwrap();
+        let said = alone.columns("x.bag").map(|_| ()).unwrap_err().to_string();
+        assert!(said.contains("a message of /own is no driver/Imu"), "{said}");
     }
 
     #[test]
@@ -727,10 +830,17 @@ mod tests {
             messages.take("/none", &timeless, Some(arrival), &reader).unwrap();
             messages.take("/timed", &timed, Some(arrival), &reader).unwrap();
         }
-        let times = |topic: &str| messages.topics[topic].rows.iter().map(|row| row[0]).collect::<Vec<_>>();
-        assert_eq!([times("/none"), times("/timed")], [vec![5.0, 6.0], vec![3_000_000_500.0; 2]]);
-        let notes = messages.columns("x.bag").unwrap().inferred();
-        assert!(notes[0].contains("times at which messages were recorded are taken: /none"), "{notes:?}");
+        // One that was recorded at an unknown time leaves those of its headers.
+        for arrival in [None, Some(7)] {
+            messages.take("/unknown", &timeless, arrival, &reader).unwrap();
+        }
+        let mut columns = messages.columns("x.bag").unwrap();
+        let notes = columns.inferred();
+        assert_eq!(notes.len(), 1);
+        assert!(notes[0].ends_with("times at which messages were recorded are taken: /none"), "{notes:?}");
+        let times: Vec<usize> = (0..columns.count()).filter(|at| columns.field(*at).is_none()).collect();
+        let mut read = |at: usize| columns.read(&[times[at]], &RULES).unwrap().remove(0);
+        assert_eq!([read(0), read(1), read(2)], [vec![5.0, 6.0], vec![3_000_000_500.0; 2], vec![0.0; 2]]);
     }
 
     #[test]
@@ -815,12 +925,12 @@ mod tests {
         };
         let mut rows = vec![];
         for (time, count) in [(1000, 3), (1330, 3), (9000, 1), (9100, 0)] {
-            assert_eq!(reader.take(&batch(time, count), None, &mut rows), Some(()));
+            assert_eq!(reader.take(&batch(time, count), &mut rows), Some(()));
         }
         let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
         assert_eq!(times, [800.0, 900.0, 1000.0, 1110.0, 1220.0, 1330.0, 9000.0]);
         assert!(rows[0][1].is_nan());
         assert_eq!(rows[2][4..], [1.5, 3.5, 5.0]);
-        assert_eq!(reader.take(&batch(9300, 4), None, &mut rows), None);
+        assert_eq!(reader.take(&batch(9300, 4), &mut rows), None);
     }
 }

@@ -156,7 +156,7 @@ impl Log {
         let (kind, name) = (name.to_string(), format!("{name}_{instance}"));
         let known = self.groups.iter().position(|group| group.name == name);
         let group = known.unwrap_or_else(|| {
-            self.groups.push(Group { name, kind, unit: "us", vectors, rows: vec![] });
+            self.groups.push(Group { name, kind, path: String::new(), unit: "us", vectors, rows: vec![] });
             self.groups.len() - 1
         });
         self.topics.insert(id, Some((group, layout)));
