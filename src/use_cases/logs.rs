@@ -454,7 +454,7 @@ pub fn model_noise(
     let files = WRITERS.iter().map(|writer| writer.file);
     let names = ["model.csv", "model", "model-accelerometers"].into_iter().chain(files);
     let mut page = of_model(&analysis, &texts);
-    page.notes.extend(notes(&analysis, &request.writers));
+    page.notes.splice(0..0, notes(&analysis, &request.writers));
     let mut outcome = Outcome::new(analysis.source.heading.clone(), page).among(names);
     outcome.files = texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())).collect();
     outcome.models = Some(Models::new(&analysis));

@@ -73,7 +73,11 @@ impl Form {
                 Some(format!("messages of ROS have the rate of a gyro, and no {}", names.join(", ")))
             }
             Form::Mcap if ![1, 3].contains(&head.columns.len()) => {
-                Some("messages of ROS have the rates about one axis or three, and no other rates".to_owned())
+                let names: Vec<&str> = head.columns.iter().map(|column| &*column.name).collect();
+                Some(format!(
+                    "messages of ROS have the rates about one axis or three, and not {}",
+                    names.join(", ")
+                ))
             }
             Form::Mcap if head.time_s(head.samples) > i32::MAX.into() => {
                 Some(format!("messages of ROS have times up to {} s", i32::MAX))
