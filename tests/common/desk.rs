@@ -85,7 +85,7 @@ impl Desk {
     pub fn sagnac_with(&self, words: &str, variables: &[(&str, &str)]) -> Ended {
         let mut command = Command::new(PROGRAM);
         command.current_dir(self.0.path()).args(words.split_whitespace()).envs(variables.iter().copied());
-        let output = command.timeout(Duration::from_secs(120)).output().unwrap();
+        let output = command.timeout(Duration::from_secs(600)).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         let (stdout, stderr) = (text(output.stdout), text(output.stderr));
         assert!(!stderr.contains("panicked"), "`sagnac {words}` panicked:\n{stderr}");
