@@ -4,7 +4,7 @@
 //! types with a `sensor_msgs/Imu` in them; one from here for the others, which do not change. Recordings of early versions of ROS 2 have
 //! none; messages of PX4 are then read by the one from here that has their length.
 //!
-//! Where the headers of a topic have no time, the times at which its messages were recorded stand for them.
+//! Where the headers of a topic have no time, or all the same, the times at which its messages were recorded stand for them.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
@@ -618,8 +618,12 @@ impl Messages {
     pub(crate) fn columns(self, file: &str) -> Result<Box<dyn Columns>, RecordError> {
         let (mut groups, mut timeless) = (vec![], vec![]);
         for Heard { mut group, arrivals } in self.topics.into_values() {
-            let lacks_times = group.unit == "ns" && group.rows.iter().all(|row| row[0] == 0.0);
-            if lacks_times && group.rows.len() == arrivals.len() && !arrivals.contains(&0) {
+            let is_one_time = group.rows.windows(2).all(|pair| pair[0][0] == pair[1][0]);
+            if group.unit == "ns"
+                && is_one_time
+                && group.rows.len() == arrivals.len()
+                && !arrivals.contains(&0)
+            {
                 timeless.push(group.name.clone());
                 group.rows.iter_mut().zip(arrivals).for_each(|(row, arrival)| row[0] = arrival as f64);
             }
@@ -634,7 +638,7 @@ impl Messages {
         });
         let timeless = (!timeless.is_empty()).then(|| {
             let topics = timeless.join(", ");
-            format!("headers have no time, so the times at which messages were recorded are taken: {topics}")
+            format!("headers have no times of their own, so those at which messages were recorded are taken: {topics}")
         });
         let notes = unread.chain(supposed).chain(timeless).collect();
         Groups::open(file, groups, notes, || match &self.unread[..] {
@@ -813,7 +817,7 @@ mod tests {
         }
         let columns = messages.columns("x.bag").unwrap();
         assert_eq!(columns.groups(), [("/imu", 2)]);
-        assert_eq!(columns.inferred(), ["a topic is not read: a message of /own is no driver/Imu"]);
+        assert_eq!(columns.inferred()[0], "a topic is not read: a message of /own is no driver/Imu");
         let mut alone = Messages::default();
         alone.take("/own", &[0; 9], Some(1), &own).unwrap();
         let said = alone.columns("x.bag").map(|_| ()).unwrap_err().to_string();
@@ -825,10 +829,14 @@ mod tests {
         let reader = Reader::new("sensor_msgs/Imu", None, Encoding::Ros1).unwrap().unwrap();
         let timed = message(Encoding::Ros1, &[]);
         let timeless = [&timed[..4], &[0; 8], &timed[12..]].concat();
+        let later = [&timed[..4], &[7; 8], &timed[12..]].concat();
         let mut messages = Messages::default();
         for arrival in [5_u64, 6] {
             messages.take("/none", &timeless, Some(arrival), &reader).unwrap();
-            messages.take("/timed", &timed, Some(arrival), &reader).unwrap();
+            messages.take("/one", &timed, Some(arrival), &reader).unwrap();
+            messages
+                .take("/timed", if arrival == 5 { &timed } else { &later }, Some(arrival), &reader)
+                .unwrap();
         }
         // One that was recorded at an unknown time leaves those of its headers.
         for arrival in [None, Some(7)] {
@@ -837,10 +845,14 @@ mod tests {
         let mut columns = messages.columns("x.bag").unwrap();
         let notes = columns.inferred();
         assert_eq!(notes.len(), 1);
-        assert!(notes[0].ends_with("times at which messages were recorded are taken: /none"), "{notes:?}");
+        assert!(
+            notes[0].ends_with("those at which messages were recorded are taken: /none, /one"),
+            "{notes:?}"
+        );
         let times: Vec<usize> = (0..columns.count()).filter(|at| columns.field(*at).is_none()).collect();
         let mut read = |at: usize| columns.read(&[times[at]], &RULES).unwrap().remove(0);
-        assert_eq!([read(0), read(1), read(2)], [vec![5.0, 6.0], vec![3_000_000_500.0; 2], vec![0.0; 2]]);
+        let timed = vec![3_000_000_500.0, 117_901_063_117_901_063_u64 as f64];
+        assert_eq!([0, 1, 2, 3].map(&mut read), [vec![5.0, 6.0], vec![5.0, 6.0], timed, vec![0.0; 2]]);
     }
 
     #[test]
