@@ -30,6 +30,9 @@ static PEAK: AtomicUsize = AtomicUsize::new(0);
 /// Set where the program ends: telling so needs memory too.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// Cases take turns: memory and time are those of the whole program.
+static TURN: Mutex<()> = Mutex::new(());
+
 /// The case that is running.
 static RUNNING: Mutex<Option<Running>> = Mutex::new(None);
 
@@ -53,6 +56,7 @@ pub struct Taken {
 pub fn within<T>(input: &[u8], file: PathBuf, case: impl FnOnce() -> T) -> (T, Taken) {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| drop(std::thread::spawn(watch)));
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let started = Clock::start();
     set(Some(Running { started, input: input.to_owned(), file }));
     // A case that panics leaves no clock running.
