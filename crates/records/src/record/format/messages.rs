@@ -180,54 +180,58 @@ impl Reader {
         encoding: Encoding,
     ) -> io::Result<Option<Reader>> {
         let kind = plain(kind);
-        let mut types: HashMap<String, &str> =
-            DEFINITIONS.iter().map(|(name, text)| ((*name).to_owned(), *text)).collect();
-        if encoding == Encoding::Ros1 {
-            types.insert("std_msgs/Header".to_owned(), "uint32 seq\ntime stamp\nstring frame_id");
-        }
-        if let Some(topic) = stamped(&kind) {
-            return Reader::of_topic(topic, &kind, ["", ""], &STAMP, &types, encoding).map(Some);
-        }
         let definition = definition.filter(|text| !text.trim().is_empty());
-        let is_long = definition.is_some_and(|text| text.len() > MAX_DEFINITION);
-        let long = || malformed(&format!("the definition of {kind} is too long"));
-        let Some(name) = kind.strip_prefix(PX4_PACKAGE).map(snake) else {
-            types.extend(divided(&kind, definition.unwrap_or_default()));
-            let own = types.get(&kind).copied().unwrap_or_default();
-            let called = |wanted: &str| {
-                let is_wanted = |(of, extent, _): &(&str, Option<&str>, &str)| {
-                    extent.is_none() && named(&kind, of) == wanted
-                };
-                fields(own).filter(is_wanted).map(|(.., name)| format!("{name}.")).collect::<Vec<_>>()
-            };
-            return match (stamped(IMU), &called(IMU)[..]) {
-                (Some(_), [_]) if is_long => long(),
-                (Some(topic), [path]) => {
-                    let outer = called("std_msgs/Header").into_iter().next().unwrap_or_default();
-                    Reader::of_topic(topic, &kind, [path, &outer], &STAMP, &types, encoding).map(Some)
-                }
-                (_, []) => Ok(None),
-                _ => malformed(&format!("{kind} has several fields of type {IMU}")),
-            };
-        };
+        if let Some(topic) = stamped(&kind) {
+            Reader::of_topic(topic, &kind, ["", ""], &STAMP, &unchanging(encoding), encoding).map(Some)
+        } else if let Some(name) = kind.strip_prefix(PX4_PACKAGE) {
+            Reader::of_px4(&kind, &snake(name), definition, encoding)
+        } else {
+            Reader::around_imu(&kind, definition.unwrap_or_default(), encoding)
+        }
+    }
+
+    /// The reader of messages of PX4 with this name of a topic.
+    fn of_px4(
+        kind: &str,
+        name: &str,
+        definition: Option<&str>,
+        encoding: Encoding,
+    ) -> io::Result<Option<Reader>> {
         if !PX4.iter().any(|topic| topic.name == name) {
             return Ok(None);
         }
-        let Some(text) = definition else { return Reader::supposed(&kind, encoding) };
-        if is_long {
-            return long();
-        }
-        let types = divided(&kind, text);
+        let Some(text) = definition else { return Reader::supposed(kind, encoding) };
+        let types = divided(kind, bounded(kind, text)?);
         let mut refused = malformed(&format!("the definition of {kind} has no time and angular rate"));
         for topic in PX4.iter().filter(|topic| topic.name == name) {
             for (time, _) in PX4_TIMES {
-                match Reader::of_topic(topic, &kind, ["", ""], &[time], &types, encoding) {
+                match Reader::of_topic(topic, kind, ["", ""], &[time], &types, encoding) {
                     Ok(reader) => return Ok(Some(reader)),
                     Err(error) => refused = Err(error),
                 }
             }
         }
         refused
+    }
+
+    /// The reader of messages with an Imu in them.
+    fn around_imu(kind: &str, definition: &str, encoding: Encoding) -> io::Result<Option<Reader>> {
+        let mut types = unchanging(encoding);
+        types.extend(divided(kind, definition));
+        let own = types.get(kind).copied().unwrap_or_default();
+        let paths_to = |wanted: &str| -> Vec<String> {
+            let is_wanted =
+                |(of, extent, _): &(&str, Option<&str>, &str)| extent.is_none() && named(kind, of) == wanted;
+            fields(own).filter(is_wanted).map(|(.., name)| format!("{name}.")).collect()
+        };
+        let (imus, headers) = (paths_to(IMU), paths_to("std_msgs/Header"));
+        let (Some(topic), [path]) = (stamped(IMU), &imus[..]) else {
+            let several = malformed(&format!("{kind} has several fields of type {IMU}"));
+            return if imus.is_empty() { Ok(None) } else { several };
+        };
+        bounded(kind, definition)?;
+        let paths = [path.as_str(), headers.first().map_or("", String::as_str)];
+        Reader::of_topic(topic, kind, paths, &STAMP, &types, encoding).map(Some)
     }
 
     /// The reader of messages of PX4 whose definition the recording lacks, if one is known.
@@ -325,6 +329,24 @@ fn snake(name: &str) -> String {
         text.push(letter.to_ascii_lowercase());
     }
     text
+}
+
+/// The definition of a type, if it is not too long.
+fn bounded<'t>(kind: &str, definition: &'t str) -> io::Result<&'t str> {
+    if definition.len() > MAX_DEFINITION {
+        return malformed(&format!("the definition of {kind} is too long"));
+    }
+    Ok(definition)
+}
+
+/// The definitions of types that do not change, by their names.
+fn unchanging(encoding: Encoding) -> HashMap<String, &'static str> {
+    let mut types: HashMap<String, &'static str> =
+        DEFINITIONS.iter().map(|(name, text)| ((*name).to_owned(), *text)).collect();
+    if encoding == Encoding::Ros1 {
+        types.insert("std_msgs/Header".to_owned(), "uint32 seq\ntime stamp\nstring frame_id");
+    }
+    types
 }
 
 /// The types in a definition: that of `kind`, and behind each line of `=` another one with its name.
