@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use crate::failure::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::requirement::{Limit, Limited};
-use sagnac_base::quantity::bare;
+use sagnac_base::quantity::{Dimension, accepted, bare, parse};
 use sagnac_engine::key::docs::note;
 
 /// Reads a limit on a log.
@@ -33,6 +33,15 @@ pub fn on<'t>(text: &'t str, names: &[&str]) -> Result<&'t str, Failure> {
             Err(Failure::Usage(message))
         }
     }
+}
+
+/// The value of a quantity of this dimension in base units.
+///
+/// # Errors
+/// It is none; the message lists the units.
+pub fn value_of(text: &str, dimension: Dimension) -> Result<f64, String> {
+    let found = parse(text, &[dimension]).map_err(|error| format!("{error}; {}", accepted(&[dimension])))?;
+    Ok(found.value)
 }
 
 /// An integer within `range`: `1000000`, `1_000_000`, `1e6` or `1.5e6`.

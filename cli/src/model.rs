@@ -8,10 +8,10 @@ use sagnac::analysis::model::search::MAX_STATES;
 use sagnac::analysis::model::writers::{Writer, named};
 use sagnac::analysis::model::{Aim, ModelRequest, Quantization};
 use sagnac::use_cases::{ModelSource, model_noise};
-use sagnac_base::quantity::{Dimension, parse};
+use sagnac_base::quantity::Dimension;
 
 use crate::allan::probability;
-use crate::arg_parsers::one_of;
+use crate::arg_parsers::{one_of, value_of};
 use crate::failure::Failure;
 use crate::output::{Output, print_documents};
 use crate::reading::{Given, Reading, seconds};
@@ -96,9 +96,8 @@ fn states(text: &str) -> Result<usize, String> {
 }
 
 fn rate(text: &str) -> Result<f64, String> {
-    let quantity =
-        parse(text, &[Dimension::Frequency]).map_err(|error| format!("{error}; write as in 100Hz"))?;
-    if quantity.value > 0.0 { Ok(quantity.value) } else { Err("the rate is not positive".to_owned()) }
+    let rate = value_of(text, Dimension::Frequency)?;
+    if rate > 0.0 { Ok(rate) } else { Err("the rate is not positive".to_owned()) }
 }
 
 /// Finds the model of a log or of a noise.toml.

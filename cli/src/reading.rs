@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::arg_parsers::{list_of, one_of};
+use crate::arg_parsers::{list_of, one_of, value_of};
 use crate::failure::{Failure, in_options};
 use crate::reading;
 use clap::builder::TypedValueParser;
@@ -21,7 +21,7 @@ use sagnac::record::log::{Log, Thermometer};
 use sagnac::study::Study;
 use sagnac::theory::allan::terms::Term;
 use sagnac_base::diagnostics::StudyError;
-use sagnac_base::quantity::{Dimension, parse as parse_quantity};
+use sagnac_base::quantity::Dimension;
 
 #[derive(Debug, Args)]
 pub struct Reading {
@@ -336,13 +336,8 @@ fn step(rate: &str) -> Result<f64, Failure> {
 }
 
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
-    let quantity = parse_quantity(text, &[Dimension::Time])
-        .map_err(|error| format!("{error}; write as in \"30 min\""))?;
-    if quantity.value >= 0.0 {
-        Ok(quantity.value)
-    } else {
-        Err("a time before the start of the file".to_owned())
-    }
+    let seconds = value_of(text, Dimension::Time)?;
+    if seconds >= 0.0 { Ok(seconds) } else { Err("a time before the start of the file".to_owned()) }
 }
 
 /// The ending of the name of a file, in lower case.

@@ -14,11 +14,12 @@ use sagnac::study::Study;
 use sagnac::tally::Share;
 use sagnac::use_cases::{Sampled, check_places};
 use sagnac::view::pictures;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::{short, significant};
-use sagnac_base::quantity::{Dimension, parse as parse_quantity};
 #[cfg(unix)]
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 
+use crate::arg_parsers::value_of;
 use crate::failure::Failure;
 use crate::output::{print, print_documents};
 use crate::program::{DeviceArg, Sampling};
@@ -87,8 +88,7 @@ fn time(text: &str) -> Result<Duration, String> {
             "expected hours:minutes:seconds as in 8:00:00, or days before that, 1-08:00:00".to_owned()
         });
     }
-    let quantity = parse_quantity(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
-    Duration::try_from_secs_f64(quantity.value)
+    Duration::try_from_secs_f64(value_of(text, Dimension::Time)?)
         .map_err(|_| "expected a time from now, such as \"55 min\"".to_owned())
 }
 

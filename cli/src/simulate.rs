@@ -13,13 +13,13 @@ use sagnac::use_cases::{
     MotionText, Numbers, Sensitivity, SimulateError, SimulateRequest, Simulation, Warming,
 };
 use sagnac_base::progress::Progress;
+use sagnac_base::quantity::Dimension;
 use sagnac_base::quantity::number::short;
-use sagnac_base::quantity::{Dimension, parse};
 use sagnac_base::text_file::{MAX_TOML, read_text};
 use sagnac_engine::key::MAX_TRIALS;
 use sagnac_engine::kinds::allan::lower::MAX_SAMPLES;
 
-use crate::arg_parsers::{one_of, whole};
+use crate::arg_parsers::{one_of, value_of, whole};
 use crate::failure::{Failure, in_options};
 use crate::output::print;
 use crate::program::selected;
@@ -122,8 +122,8 @@ fn form() -> impl TypedValueParser<Value = Form> {
 
 /// A positive time, s.
 fn length(text: &str) -> Result<f64, String> {
-    let time = parse(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
-    if time.value > 0.0 { Ok(time.value) } else { Err("it is not positive".to_owned()) }
+    let seconds = value_of(text, Dimension::Time)?;
+    if seconds > 0.0 { Ok(seconds) } else { Err("it is not positive".to_owned()) }
 }
 
 /// Writes records of noise, one file each, with the study whose trials they are.

@@ -75,5 +75,5 @@ fn windows_that_show_nothing_are_refused_with_those_that_do() {
         desk.fails(&format!("{READ} --dynamic {window}"), 3, &pieces);
         assert!(!desk.path("results").exists(), "--dynamic {window} left results");
     }
-    desk.fails(&format!("{READ} --dynamic fast"), 2, &["--dynamic", "30 min"]);
+    desk.fails(&format!("{READ} --dynamic fast"), 2, &["--dynamic", "a time in s, ms"]);
 }

@@ -89,7 +89,7 @@ fn a_log_without_a_spectrum_is_refused_by_name_with_what_to_do() {
             vec!["column 1: the segment of 3 s is too long", "stretch without gaps has 2 s", "--segment 2s"],
         ),
         ("--segment 0.1s", 3, vec!["column 1: the segment of 10 samples is too short", "--segment 0.16s"]),
-        ("--segment fast", 2, vec!["--segment", "30 min"]),
+        ("--segment fast", 2, vec!["--segment", "a time in s, ms"]),
         ("--confidence 1", 2, vec!["not between 0 and 1"]),
     ] {
         desk.fails(&format!("allan log.csv {READ} {words}"), code, &pieces);

@@ -246,7 +246,7 @@ impl<'a> ColumnFile<'a> {
         label: &str,
         help: &str,
     ) -> RecordError {
-        RecordError::new(message, label, help, self.place(column))
+        self.error(message, [label, help], self.place(column))
     }
 
     /// An error about the number of a column in a row, counted from 0, with its place or else the number of the row.
@@ -255,7 +255,13 @@ impl<'a> ColumnFile<'a> {
         let [message, label, help] = words;
         let place = self.columns.place_of_row(row, column);
         let numbered = if place.is_some() { String::new() } else { format!("row {}: ", row + 1) };
-        RecordError::new(numbered + &message, label, help, place)
+        self.error(&(numbered + &message), [&label, &help], place)
+    }
+
+    /// An error with the name of the file, which without a place stands in the message.
+    fn error(&self, message: &str, [label, help]: [&str; 2], place: Option<Place>) -> RecordError {
+        let named = if place.is_some() { message.to_owned() } else { format!("{}: {message}", self.file) };
+        RecordError::new(named, label, help, place)
     }
 
     /// Finds the column that a user means by `word`: its name with or without unit, in upper or lower case, or its number

@@ -16,7 +16,7 @@ use crate::record::names::{Name, unit_of};
 use crate::record::timestamps::interleaved;
 use crate::record::{Faults, RecordError};
 use sagnac_base::quantity::number::significant;
-use sagnac_base::quantity::{Dimension, parse};
+use sagnac_base::quantity::{Dimension, accepted, parse};
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
 pub(crate) const RULES: Rules = Rules {
@@ -117,7 +117,8 @@ impl Timing {
 /// # Errors
 /// The text is neither, or not positive.
 pub fn step_of(rate: &str) -> Result<f64, String> {
-    let found = parse(rate, &[Dimension::Frequency, Dimension::Time]).map_err(|error| error.to_string())?;
+    let wanted = [Dimension::Frequency, Dimension::Time];
+    let found = parse(rate, &wanted).map_err(|error| format!("{error}; {}", accepted(&wanted)))?;
     match found.dimension {
         _ if found.value <= 0.0 => Err("the rate is not positive".to_owned()),
         Dimension::Time => Ok(found.value),
