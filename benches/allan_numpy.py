@@ -4,6 +4,7 @@
     python benches/allan_numpy.py deviations [RECORDS]    # intervals of deviations, by kind of noise and averaging time
     python benches/allan_numpy.py coefficients [RECORDS]  # N and B behind the filter of a sensor
     python benches/allan_numpy.py models [RECORDS]        # all coefficients of five noise models, with Q, K and Markov noise
+    python benches/allan_numpy.py simulated [RECORDS]     # the same of records of `sagnac simulate`
     python benches/allan_numpy.py tails [RECORDS]         # N of white noise that is not Gaussian, and of Markov noise added to white noise
     python benches/allan_numpy.py compare [PAIRS]         # p of two records of equal noise behind such a filter
     python benches/allan_numpy.py dynamic [RECORDS]       # changes in records without one, and a step of N that is found
@@ -170,6 +171,8 @@ def coefficients(records):
             print(line, others, flush=True)
 
 
+COVERED = "coverage of 95 % intervals in percent (truth below · above) and its 99.9 % interval"
+COEFFICIENTS = ("Q", "N", "B", "K", "markov", "markov_time")
 # Q, N, B, K, then σ and time of Markov noise in samples, and the terms of the fit.
 MODELS = {
     "white": ((0, 1, 0, 0, 0, 0), "auto"),
@@ -182,7 +185,7 @@ MODELS = {
 
 def models(records):
     samples = 2**12
-    print(f"{records} records of {samples} samples: coverage of 95 % intervals in percent (truth below · above) and its 99.9 % interval")
+    print(f"{records} records of {samples} samples: {COVERED}")
     for name, (truth, terms) in MODELS.items():
         q, n, b, k, sigma, time = truth
         rng = np.random.default_rng(31)
@@ -195,18 +198,56 @@ def models(records):
                 rates += sigma * signal.lfilter([np.sqrt(1 - a * a)], [1, -a], rng.standard_normal(samples + past))[past:]
             return rates
 
-        found = list(columns(records, make, "--rate", "1Hz", "--unit", "none", "--fit", terms, *EXTRA))
-        for coefficient, true in zip(("Q", "N", "B", "K", "markov", "markov_time"), truth):
-            rows = [row for column in found for row in column["coefficients"] if row["coefficient"] == coefficient]
-            bounded = [row for row in rows if row["upper"] is not None]
-            if not true or not bounded:
-                continue
-            estimated = sum(row["status"] == "estimated" for row in rows)
-            below, above = (sum(side) for side in zip(*((row["lower"] > true, row["upper"] < true) for row in bounded)))
-            inside = len(bounded) - below - above
-            low, high = stats.binomtest(inside, len(bounded)).proportion_ci(0.999)
-            line = f"{name:32} {coefficient:12} estimated in {estimated}, covered {100 * inside / len(bounded):.1f} of {len(bounded)}"
-            print(f"{line} ({below} · {above}), {100 * low:.1f} … {100 * high:.1f}", flush=True)
+        covered(name, truth, columns(records, make, "--rate", "1Hz", "--unit", "none", "--fit", terms, *EXTRA))
+
+
+# The same coefficients as keys of a noise file, with the units in which they are found.
+KEYS = {
+    "Q": 'quantization = "{} arcsec"',
+    "N": 'angle_random_walk = "{} deg/sqrt(h)"',
+    "B": 'bias_instability = "{} deg/h"',
+    "K": 'rate_random_walk = "{} deg/h/sqrt(h)"',
+    "markov": 'markov = {{ amplitude = "{} deg/h", time = "200 s" }}',
+}
+SIMULATED = {
+    "white": ((0, 0.003, 0, 0, 0, 0), "auto"),
+    "white and walk": ((0, 0.003, 0, 0.03, 0, 0), "auto"),
+    "white and flicker": ((0, 0.003, 0.01, 0, 0, 0), "auto"),
+    "quantization, white, flicker and walk": ((0.05, 0.003, 0.01, 0.02, 0, 0), "auto"),
+    "white and Markov": ((0, 0.003, 0, 0, 0.03, 200), "N,markov"),
+}
+
+
+def simulated(records):
+    print(f"{records} records of 9 h at 1 Hz of sagnac simulate: {COVERED}")
+    for name, (truth, terms) in SIMULATED.items():
+        with tempfile.TemporaryDirectory() as folder:
+            noise, out = Path(folder) / "noise.toml", Path(folder) / "records"
+            noise.write_text("\n".join(KEYS[key].format(value) for key, value in zip(COEFFICIENTS, truth) if value and key in KEYS))
+            call = [PROGRAM, "simulate", noise, "--rate", "1Hz", "--length", "9h", "--records", str(records), "--seed", "47"]
+            subprocess.run([*call, "--form", "npy", "--out", out, "--quiet"], check=True)
+            files = iter(sorted(out.glob("*.npy")))
+
+            def read():
+                return np.load(next(files)).ravel()
+
+            covered(name, truth, columns(records, read, "--rate", "1Hz", "--unit", "deg/h", "--fit", terms, *EXTRA))
+
+
+def covered(name, truth, found):
+    """Prints how many intervals of each coefficient contain the truth."""
+    found = list(found)
+    for coefficient, true in zip(COEFFICIENTS, truth):
+        rows = [row for column in found for row in column["coefficients"] if row["coefficient"] == coefficient]
+        bounded = [row for row in rows if row["upper"] is not None]
+        if not true or not bounded:
+            continue
+        estimated = sum(row["status"] == "estimated" for row in rows)
+        below, above = (sum(side) for side in zip(*((row["lower"] > true, row["upper"] < true) for row in bounded)))
+        inside = len(bounded) - below - above
+        low, high = stats.binomtest(inside, len(bounded)).proportion_ci(0.999)
+        line = f"{name:37} {coefficient:12} estimated in {estimated}, covered {100 * inside / len(bounded):.1f} of {len(bounded)}"
+        print(f"{line} ({below} · {above}), {100 * low:.1f} … {100 * high:.1f}", flush=True)
 
 
 def tails(records):
