@@ -198,6 +198,15 @@ fn undescribed() -> Vec<f64> {
 }
 
 #[test]
+fn several_columns_without_coefficients_show_the_bounds_of_their_minima() {
+    let columns = [1, 2].map(|seed| rates(&[Part::angle_random_walk(0.0288)], 4096, seed));
+    let desk = desk_with("gyro.csv", log("gx [deg/h],gy [deg/h]", &columns));
+    let shown = allan(&desk, "gyro.csv --column gx,gy --fit K --bootstrap 0").stdout;
+    let [gx, gy] = ["▸ gx", "  gy"].map(|name| shown.lines().find(|line| line.starts_with(name)).unwrap());
+    assert!(gx.contains("≤ ") && gy.contains("≤ "), "{shown}");
+}
+
+#[test]
 fn a_curve_that_is_not_described_gives_no_coefficient_to_any_output_unless_forced() {
     let desk = desk_with("gyro.csv", log("gz [deg/h]", &[undescribed()]));
     let ended = allan(&desk, "gyro.csv --bootstrap 0");

@@ -263,7 +263,11 @@ impl<'a> Panel<'a> {
         let all = ORDER.into_iter().map(Limited::Coefficient).chain([Limited::Stability]);
         let (first, others): (Vec<Limited>, Vec<Limited>) =
             Limited::OF_LOG.into_iter().chain([Limited::Floor]).partition(is_limited);
-        let others = all.filter(|of| others.contains(of)).filter(has_value);
+        let others: Vec<Limited> = all.filter(|of| others.contains(of)).collect();
+        let is_given = |of: &Limited| subjects.iter().any(|subject| subject.shown(*of).is_ok());
+        // Bounds alone are shown where there are no values at all.
+        let has_values = !first.is_empty() || others.iter().any(has_value);
+        let others = others.into_iter().filter(|of| if has_values { has_value(of) } else { is_given(of) });
         let is_judged = !self.judged.is_empty();
         let most = MAX_COLUMNS - 1 - usize::from(is_judged);
         // The status is that of the columns before it.
